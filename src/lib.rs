@@ -25,8 +25,7 @@
 //! - [`cli`]: the commands.
 //!
 //! Begin with [`study`], then read [`model`], [`motion`] and [`classification`]. Small helpers lie beside this file:
-//! `numbers`, `counted` and `printed_table` format output, `named` names the values of enums, and `sanitize` cleans foreign
-//! text.
+//! `numbers` and `printed_table` format output, `named` names the values of enums, and `sanitize` cleans foreign text.
 //!
 //! A case is a pure function of the study and the number of the run, and an outcome is a pure
 //! function of the case:
@@ -51,7 +50,6 @@ pub mod analysis;
 pub mod check;
 pub mod classification;
 pub mod cli;
-mod counted;
 pub mod engine;
 mod graph;
 pub mod identify;

@@ -1,4 +1,6 @@
-//! Numbers as people read them, with few significant digits.
+//! Numbers as people read them, with few significant digits, and numbers of things.
+
+use std::fmt::Display;
 
 /// Formats a number for a message: plain, or with an exponent if that is shorter.
 pub(crate) fn describe_number(number: f64) -> String {
@@ -73,6 +75,12 @@ pub fn percent(fraction: f64) -> String {
         "100.0" if fraction < 1.0 => ">99.9".to_owned(),
         _ => rounded,
     }
+}
+
+/// Returns a number of things, such as `1 run` or `2 runs`.
+pub(crate) fn counted<N: Display + From<u8> + PartialEq>(count: N, thing: &str) -> String {
+    let ending = if count == N::from(1) { "" } else { "s" };
+    format!("{count} {thing}{ending}")
 }
 
 #[cfg(test)]

@@ -1,28 +1,23 @@
-//! Statistics of outcomes: confidence intervals, time to rest, classes of limit cycles, and
-//! summaries of sweep points.
+//! Statistics of outcomes: confidence intervals, time to rest, classes of limit cycles, and summaries of sweep points.
 //!
 //! This module reads outcomes and returns numbers; it does not depend on any file format.
 //!
-//! Read `interval` and `quantile_interval` first, then `observed`, which is a run as statistics see it. `value_counts`,
-//! `summary_statistics` and `angle_set` collect values in bounded memory. The statistics of a point follow: `survival` with
-//! `rest_curve` and `escape`, `cycle_class` with `cycles`, `stratified`, `basin_entropy`, `audit`, and `residual_vibration`.
-//! `point_summary` combines them, and `stopping` decides whether a point needs more runs. `estimates` are the responses of
-//! designs.
+//! Read `interval` first, then `observed`, which is a run as statistics see it. `value_counts`, `summary_statistics`
+//! and `angle_set` collect values in bounded memory. The statistics of a point follow: `survival` with `rest_curve` and
+//! `escape`, `cycle_class` with `cycles`, `stratified`, `basin_entropy` and `residual_vibration`. `point_summary`
+//! combines them, and `stopping` decides whether a point needs more runs. `estimates` are the responses of designs.
 //!
 //! The closed forms of balls at rest begin with two files: `rest_form` has the parameters of a machine, and `touching`
-//! decides which positions of touching balls are possible. `one_ball` gives the exact equilibrium set of one ball. For more
-//! balls, `set_grid` or `set_samples` finds the set. The equilibria without friction build on `balance`, `on_a_line` and
-//! `linearised`; `frictionless` combines these. `set_extremes` and `climb` find the amplitudes in the set, and
-//! `equilibrium_set` combines everything about it. `run_up` stands alone. The other files are helpers of these; read them
-//! where they are imported.
+//! decides which positions of touching balls are possible. `one_ball` gives the exact equilibrium set of one ball. For
+//! more balls, `set_grid` or `set_samples` finds the set. The equilibria without friction build on `balance`,
+//! `on_a_line` and `linearised`; `frictionless` combines these. `set_extremes` and `climb` find the amplitudes in the
+//! set, and `equilibrium_set` combines everything about it. `run_up` stands alone. The other files are helpers of
+//! these; read them where they are imported.
 
 mod angle_set;
-mod audit;
 mod balance;
-mod balance_quality;
 mod basin_entropy;
 mod climb;
-mod contact_pairs;
 mod cycle_class;
 mod cycles;
 mod equilibrium_histogram;
@@ -37,11 +32,8 @@ mod linearised;
 mod observed;
 mod on_a_line;
 mod one_ball;
-mod overlap;
 mod point_summary;
-mod quantile_interval;
 mod rank_correlation;
-mod reference_amplitude;
 mod residual_vibration;
 mod resolution;
 mod rest_curve;
@@ -59,9 +51,7 @@ mod touching;
 mod touching_set;
 mod value_counts;
 
-pub use audit::AuditCounts;
 pub use balance::Balance;
-pub use balance_quality::{balance_quality_grade, residual_imbalance, residual_imbalance_vector};
 pub use basin_entropy::Basins;
 pub use cycle_class::{CycleClass, Role};
 pub use cycles::{CycleGroup, CycleRange, CycleRole};
@@ -75,17 +65,18 @@ pub use estimates::{
 pub use frictionless::{FrictionlessEquilibrium, HIGH_DRAG, frictionless_equilibria};
 pub use frictionless_position::FrictionlessKind;
 pub use identical_balls::{groups_of_identical, sorted_where_identical};
+pub(crate) use interval::interval_ranks;
 pub use interval::{
     ConfidenceInterval, IntervalMethod, Z_95, simultaneous, wilson, wilson_with_failures,
 };
 pub use linearised::{SmallMotions, Stability, state_matrix};
-pub use observed::{FailureCounts, LabelCounts, ObservedRun};
-pub use overlap::overlaps;
+pub use observed::{AuditCounts, FailureCounts, LabelCounts, ObservedRun};
 pub use point_summary::{PointAccumulator, PointDetail, PointSummary};
-pub(crate) use quantile_interval::interval_ranks;
 pub use rank_correlation::{RankCorrelation, rank_correlation};
-pub use reference_amplitude::{reference_amplitude, relative_amplitude};
-pub use residual_vibration::ResidualVibration;
+pub use residual_vibration::{
+    ResidualVibration, balance_quality_grade, reference_amplitude, relative_amplitude,
+    residual_imbalance, residual_imbalance_vector,
+};
 pub use resolution::{FEWEST_GRID_POINTS, MOST_BALL_DAMPING, Resolutions, SAMPLE_COUNTS};
 pub use rest_curve::{RestStep, rest_curve};
 pub use rest_form::{AtRest, RestForm};
@@ -98,6 +89,7 @@ pub use stopping::{HalfWidths, StoppingRule};
 pub use stratified::StratifiedCells;
 pub(crate) use survival::rest_or_stop_time;
 pub use survival::{SurvivalCurve, SurvivalStep};
+pub use touching::overlaps;
 pub use touching_set::touching_set_fraction;
 pub use value_counts::ValueCounts;
 pub(crate) use value_counts::interpolated_quantile;

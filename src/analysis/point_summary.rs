@@ -1,6 +1,5 @@
 //! Summary of one sweep point: endings of its runs, time to rest, amplitude and what the balls leave.
 
-use super::audit::AuditCounts;
 use super::basin_entropy::Basins;
 use super::cycle_class::CycleClass;
 use super::cycles::{CycleClasses, CycleGroup};
@@ -8,7 +7,7 @@ use super::equilibrium_histogram::{EquilibriumHistogram, HistogramBin};
 use super::escape::{EndedRuns, EscapeRate, escape_rate};
 use super::identical_balls::{groups_of_identical, sorted_where_identical};
 use super::interval::{ConfidenceInterval, IntervalMethod, Z_95, wilson_with_failures};
-use super::observed::{LabelCounts, ObservedRun};
+use super::observed::{AuditCounts, LabelCounts, ObservedRun};
 use super::residual_vibration::{ResidualVibration, ResidualVibrationCounts};
 use super::rest_curve::{RestStep, rest_curve};
 use super::stratified::StratifiedCells;

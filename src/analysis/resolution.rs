@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::equilibrium_set::Resolution;
 use super::set_samples::REPLICATES;
-use crate::counted::counted;
+use crate::numbers::counted;
 
 /// Largest number of positions at one sweep point.
 const MOST_POSITIONS: u64 = 1 << 26;

@@ -7,7 +7,6 @@
 
 use nalgebra::Complex;
 
-use super::contact_pairs::ContactPairs;
 use crate::model::{Balancer, Ball, Machine};
 
 /// The non-dimensional parameters of a machine that determine where its balls can rest.
@@ -205,6 +204,31 @@ pub(super) fn is_held([x, y]: [f64; 2], [c, s]: [f64; 2], coefficient: f64) -> b
 #[inline]
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
+}
+
+/// The contact between the balls of a machine.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ContactPairs {
+    /// The coefficient of friction between two balls.
+    pub friction_coefficient: f64,
+    /// The angle at which each pair of balls touches, rad, with its cosine.
+    pub pairs: Vec<([usize; 2], f64, f64)>,
+}
+
+impl ContactPairs {
+    /// Returns the contact of a machine with several balls, if it has any.
+    pub(super) fn of(machine: &Machine) -> Option<Self> {
+        let contact = machine.contact?;
+        let balls = machine.balls.len();
+        let pairs = (0..balls).flat_map(|ball| (0..ball).map(move |other| [other, ball]));
+        let pairs = pairs.map(|pair| {
+            let [first, second] = pair.map(|ball| &machine.balls[ball]);
+            let angle = machine.contact_angle_rad(first, second);
+            (pair, angle, libm::cos(angle))
+        });
+        let friction_coefficient = contact.friction_coefficient;
+        (balls > 1).then(|| ContactPairs { friction_coefficient, pairs: pairs.collect() })
+    }
 }
 
 #[cfg(test)]

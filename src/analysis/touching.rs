@@ -1,14 +1,15 @@
-//! Positions of balls with contact: which of them are possible, and where friction holds balls that touch.
+//! Positions of balls that touch: which of them are possible, which overlap, and where friction holds balls that touch.
 //!
 //! In a position that is possible, no two balls are nearer than the angle at which they touch. Balls that touch are held if
-//! any forces between them satisfy all conditions of friction ([`crate::model::held`]).
+//! any forces between them satisfy all conditions of friction ([`crate::model::held`]). Without contact, two balls can rest
+//! nearer to each other than their diameters allow: they overlap.
 
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
 use super::rest_form::{RestForm, direction};
-use crate::model::{Gap, HeldContact, TOUCHING, held, wrap_to_two_pi};
+use crate::model::{Gap, HeldContact, Machine, TOUCHING, held, wrap_to_pi, wrap_to_two_pi};
 
 impl RestForm {
     /// Returns whether balls with contact have these directions without overlap. Balls without contact may overlap.
@@ -61,4 +62,15 @@ impl RestForm {
         let contacts: Vec<_> = beta.iter().zip(&self.friction_coefficient).map(contact).collect();
         z.is_finite() && held(&contacts, &self.closed_gaps(beta)).reserve >= 0.0
     }
+}
+
+/// Returns whether two of the balls at the angles `beta` overlap: whether the angle between them is
+/// smaller than the one at which they touch.
+pub fn overlaps(machine: &Machine, beta: &[f64]) -> bool {
+    let overlap = |first: usize, second: usize| {
+        let touching = machine.contact_angle_rad(&machine.balls[first], &machine.balls[second]);
+        wrap_to_pi(beta[first] - beta[second]).abs() < touching - TOUCHING
+    };
+    let count = machine.balls.len().min(beta.len());
+    (0..count).any(|ball| (0..ball).any(|other| overlap(ball, other)))
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::quantile_interval::interval_ranks;
+use super::interval::interval_ranks;
 
 /// Counts of each value, in two kinds.
 ///

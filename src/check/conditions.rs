@@ -1,8 +1,8 @@
-//! Warnings of operating conditions that hold at all points: a disc below the natural frequency, and friction that
-//! holds the balls in every position.
+//! Operating conditions under which balls cannot balance a machine, such as a disc below the natural frequency, and
+//! warnings of those that hold at all points.
 
-use super::designs::{ExaminedDesign, ExtremeDesign, extreme_designs};
-use super::points::points_to_examine;
+use super::designs::{ExaminedDesign, ExtremeDesign, extreme_designs, points_to_examine};
+use super::facts::capacity_kg_m;
 use super::values::RPM;
 use super::warning::Finding;
 use crate::analysis::set_fraction;
@@ -186,4 +186,32 @@ fn machines_held_everywhere(plan: &Plan) -> Option<Vec<Machine>> {
     };
     let machines: Option<Vec<Machine>> = models.iter().map(held).collect();
     machines.filter(|machines| !machines.is_empty())
+}
+
+/// A reason why balls do not balance a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Obstacle {
+    /// The disc is slower than the natural frequency, where the balancing position is not stable.
+    SlowDisc,
+    /// The balls are too light to balance the imbalance in any position.
+    LightBalls,
+    /// Friction holds the balls in every position.
+    HeldBalls,
+}
+
+impl Obstacle {
+    /// All obstacles, in the order in which they are examined.
+    pub const ALL: [Self; 3] = [Self::SlowDisc, Self::LightBalls, Self::HeldBalls];
+
+    /// Returns the first obstacle of a machine whose equilibrium set is this fraction of all positions; `None` if closed
+    /// forms show none.
+    pub fn of(machine: &Machine, set_fraction: Option<f64>) -> Option<Self> {
+        let imbalance_kg_m = machine.imbalance_mass_kg * machine.imbalance_radius_m;
+        let is_there = |obstacle: &Self| match obstacle {
+            Self::SlowDisc => machine.speed_rad_s.abs() < machine.natural_frequency_rad_s(),
+            Self::LightBalls => capacity_kg_m(machine) < imbalance_kg_m,
+            Self::HeldBalls => set_fraction.is_some_and(is_held_everywhere),
+        };
+        Self::ALL.into_iter().find(is_there)
+    }
 }

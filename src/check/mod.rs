@@ -1,21 +1,17 @@
 //! What can be said about a study without simulation: closed forms of its machine, and warnings about values that are
 //! probably mistakes.
 //!
-//! A study that resolves is valid: every run of it can be planned. It can still describe a machine that cannot be built or
-//! that cannot balance. This module finds such machines; it computes no run.
+//! A study that resolves is valid: every run of it can be planned. It can still describe a machine that cannot be built
+//! or that cannot balance. This module finds such machines; it computes no run.
 //!
-//! Read `ball_fit` and `steady` first. `closed_form` then collects the facts about a ball balancer, and `own_facts` the
-//! facts about any other system. `points` selects the points of a large sweep, and `designs` the designs of a search.
-//! Warnings build on these: `unit_mistakes` and `values` examine one machine, and `conditions` and `obstacle` examine the
-//! study. `warnings` collects all of them.
+//! Read `ball_fit` and `steady` first. `facts` then collects the facts about a ball balancer or about any other system.
+//! `designs` selects the points of a large sweep and the designs of a search. Warnings build on these: `unit_mistakes`
+//! and `values` examine one machine, and `conditions` examines the study. `warnings` collects all of them.
 
 mod ball_fit;
-mod closed_form;
 mod conditions;
 mod designs;
-mod obstacle;
-mod own_facts;
-mod points;
+mod facts;
 mod steady;
 mod unit_mistakes;
 mod values;
@@ -23,12 +19,9 @@ mod warning;
 mod warnings;
 
 pub use ball_fit::{BallPositions, density_kg_m3, occupied_angle};
-pub use closed_form::{BalancerFacts, RestFacts};
-pub use conditions::is_held_everywhere;
-pub use designs::ExaminedDesign;
-pub use obstacle::Obstacle;
-pub use own_facts::OwnFacts;
-pub use points::points_to_examine;
+pub use conditions::{Obstacle, is_held_everywhere};
+pub use designs::{ExaminedDesign, points_to_examine};
+pub use facts::{BalancerFacts, OwnFacts, RestFacts};
 pub use steady::{SteadySliding, SteadyStates};
 pub use warning::Warning;
 pub use warnings::warnings;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use super::ball_fit::density_kg_m3;
-use super::closed_form::GRAVITY_M_S2;
+use super::facts::GRAVITY_M_S2;
 use crate::model::{Ball, Machine};
 use crate::numbers::short;
 use crate::study::{Study, Template};

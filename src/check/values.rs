@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use super::ball_fit::{BallPositions, density_kg_m3, occupied_angle};
-use super::closed_form::capacity_kg_m;
+use super::facts::capacity_kg_m;
 use super::unit_mistakes::{HEAVY_BALLS, UsualLimit, has_mass_of_template, limits};
 use super::warning::Finding;
 use crate::analysis::{Balance, RestForm, reference_amplitude};

@@ -4,8 +4,7 @@ use indexmap::IndexMap;
 
 use super::ball_fit::BallPositions;
 use super::conditions::{held_everywhere, models, subcritical};
-use super::designs::{ExaminedDesign, described};
-use super::points::points_to_examine;
+use super::designs::{ExaminedDesign, described, points_to_examine};
 use super::values::{findings, has_room};
 use super::warning::{Finding, Warning};
 use crate::analysis::Measure;

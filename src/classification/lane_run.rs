@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::cycle_watch::CycleWatch;
 use super::ending::Ending;
-use super::horizons::{Horizons, continues};
+use super::horizons::{Horizons, TailStatistics, continues};
 use super::lane_step::LaneStep;
 use super::lyapunov;
 use super::outcome::Outcome;
@@ -15,7 +15,6 @@ use super::settled::SettledWatch;
 use super::stages::Stages;
 use super::step_limit::effort_limit;
 use super::system_view::SystemView;
-use super::tail_statistics::TailStatistics;
 use crate::model::{Case, Components, Endings, Extend, Stage, Units};
 use crate::motion::lockstep::{LaneGroup, SavedRun, StepReport};
 use crate::motion::{Evaluator, Failure, Settings, all_stick};

@@ -25,8 +25,8 @@
 //!
 //! The next files give the evidence: `rest_in_touch`, `settled` and `creep` for rest; `section`, `period`, `return_map`,
 //! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat, and `block_cycle` for the
-//! cycles of a single body; `lyapunov` for irregular motions. `tail_statistics` measures the last part of a run, and
-//! `horizons` has the end times of a run.
+//! cycles of a single body; `lyapunov` for irregular motions. `horizons` has the end times of a run, and
+//! measures the last part before them.
 //!
 //! `ending` names how a run ends. `cycle_watch` searches for the limit cycle of a run, `lane_run` examines the run after
 //! each step, and `run_outcome` makes the outcome. `gap_sample` and `run_recorder` record the motion, and `step_limit`
@@ -62,7 +62,6 @@ mod stages;
 mod step_limit;
 mod stuck_motion;
 mod system_view;
-mod tail_statistics;
 mod torus;
 mod window;
 

@@ -210,8 +210,6 @@ impl Period {
 
 fn cycle_phases(view: &SystemView, phases: &[Phase], state: &[f64]) -> Vec<CyclePhase> {
     let phases_by_contact = phases.iter().enumerate().take(view.contacts.len());
-    let of = |(contact, phase): (usize, &Phase)| {
-        CyclePhase::of(*phase, view.speed(state, contact))
-    };
+    let of = |(contact, phase): (usize, &Phase)| CyclePhase::of(*phase, view.speed(state, contact));
     phases_by_contact.map(of).collect()
 }

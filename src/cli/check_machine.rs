@@ -2,8 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::counted::counted;
-use crate::numbers::short;
+use crate::numbers::{counted, short};
 use crate::printed_table::text_table;
 use crate::responses::add_known;
 use crate::study::{ListedParameter, ParameterValue, Study, Unit, short_name};

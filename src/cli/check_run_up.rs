@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::study_facts::StudyFacts;
+use super::output::StudyFacts;
 use crate::analysis::{RunUp, run_ups};
 use crate::check::points_to_examine;
 use crate::numbers::short;

@@ -9,8 +9,8 @@ use super::exit::{CliError, End};
 use super::output::print_result;
 use super::points_table::MOST_LINES;
 use crate::analysis::Estimate;
-use crate::counted::counted;
 use crate::engine::{ReadableResults, readable_results};
+use crate::numbers::counted;
 use crate::printed_table::{PrintedColumn, PrintedTable, as_text};
 use crate::report::{
     ComparedPoint, ComparedQuantity, ComparedResults, Comparison, NamedPoints,

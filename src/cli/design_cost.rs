@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::cost::Cost;
-use super::study_facts::StudyFacts;
+use super::output::StudyFacts;
 use crate::numbers::describe_number;
 use crate::responses::merged;
 use crate::study::{Limit, Objective, Optimization, OverPoints, Plan, SensitivityFrom, Study};

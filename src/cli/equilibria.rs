@@ -17,9 +17,9 @@ use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,
     Resolution, Resolutions, RestForm, SAMPLE_COUNTS, frictionless_equilibria, reference_amplitude,
 };
-use crate::counted::counted;
 use crate::engine::{ExclusiveDirectory, say};
 use crate::model::Machine;
+use crate::numbers::counted;
 use crate::study::Study;
 use crate::table::{
     EquilibriumFiles, EquilibriumTables, FrictionlessRow, PointKey, SetRow, SetSummaryRow,

@@ -12,8 +12,8 @@ use super::exit::{CliError, End};
 use super::new_table::NewTable;
 use super::output::{csv_header, csv_rows, print};
 use crate::classification::Label;
-use crate::counted::counted;
 use crate::engine::{Parts, Planned, Progress, ProgressDisplay, WorkerPool, say, stop_on_signals};
+use crate::numbers::counted;
 use crate::printed_table::{PrintedTable, as_text};
 use crate::report::{Estimates, estimate_columns};
 use crate::responses::{

@@ -7,9 +7,9 @@ use clap::Args;
 use super::arguments::{StudyArgument, ThreadsArgument, results_directory};
 use super::exit::{CliError, End};
 use super::output::print_result;
-use crate::counted::counted;
 use crate::engine::{ProgressDisplay, say, stop_on_signals};
 use crate::identify::Identify;
+use crate::numbers::counted;
 use crate::sanitize::{shell_word, shown_path};
 use crate::study::{Study, implausible_angle};
 

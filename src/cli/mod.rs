@@ -44,7 +44,6 @@ mod resume;
 mod run;
 mod run_on_engine;
 mod schema;
-mod study_facts;
 mod summary;
 mod verify;
 

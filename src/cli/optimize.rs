@@ -7,8 +7,8 @@ use clap::Args;
 use super::arguments::{StudyArgument, ThreadsArgument, results_directory};
 use super::exit::{CliError, End};
 use super::output::print_result;
-use crate::counted::counted;
 use crate::engine::{ProgressDisplay, say, stop_on_signals};
+use crate::numbers::counted;
 use crate::optimize::{Optimize, Optimized};
 use crate::sanitize::shell_word;
 

@@ -1,4 +1,5 @@
-//! Standard output, which holds data only and whose reader may stop reading, messages on standard error, and CSV.
+//! Standard output, which holds data only and whose reader may stop reading, messages on standard error, CSV, and facts in words
+//! and as JSON.
 
 use std::io::{self, Write};
 
@@ -70,4 +71,10 @@ pub fn csv_rows<R>(columns: &[Column<R>], rows: &[R]) -> io::Result<String> {
     let batch = batch(columns, rows).map_err(io::Error::other)?;
     let line = |row| csv_line(batch.columns().iter().map(|column| cell_text(column, row, "")));
     (0..rows.len()).map(line).collect()
+}
+
+/// Facts of a study for people, each with a name and words, and the same facts as JSON.
+pub(super) struct StudyFacts {
+    pub(super) words: Vec<(&'static str, String)>,
+    pub(super) json: Value,
 }

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::point_words::point_line;
 use crate::analysis::AuditCounts;
 use crate::classification::Label;
-use crate::counted::counted;
+use crate::numbers::counted;
 use crate::printed_table::{PrintedColumn, as_markdown, as_text};
 use crate::report::{Conclusion, PointFacts, printed_columns, response_columns};
 use crate::responses::{add_known, merged};

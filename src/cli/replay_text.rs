@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use crate::classification::{Outcome, RecordedRun, StageOutcome, Switch, Touch, TouchingOutcome};
-use crate::counted::counted;
 use crate::model::{DiscMotion, Model, SlidingSpeed};
+use crate::numbers::counted;
 use crate::printed_table::{fact_table, text_table};
 use crate::report::{three_digits, time_text};
 use crate::study::ShownUnits;

@@ -11,8 +11,8 @@ use super::failures::{failed_runs, failure_line};
 use super::output::print_result;
 use super::points_table::{MOST_LINES, PointsTable};
 use super::run_on_engine::run_on_engine;
-use crate::counted::counted;
 use crate::engine::{EngineOptions, OutputDir, PreparedDirectory, Shard, say};
+use crate::numbers::counted;
 use crate::study::Study;
 use crate::table::{Circumstances, Manifest, Table};
 

@@ -11,11 +11,11 @@ use super::output::print_result;
 use super::points_table::{MOST_LINES, PointsTable};
 use crate::analysis::{FailureCounts, PointDetail};
 use crate::classification::Label;
-use crate::counted::counted;
 use crate::engine::{
     EngineOptions, Parts, Planned, Progress, RunTotals, Sink, StopReason, Store, run_study, say,
     stop_on_signals,
 };
+use crate::numbers::counted;
 use crate::report::PointFacts;
 use crate::responses::add_known;
 use crate::study::Study;

@@ -1,16 +1,20 @@
-//! Engines that compute runs one at a time or in lockstep and turn a panic into the failure of one run.
+//! Engines that compute runs one at a time or in lockstep and turn a panic into the failure of one run, and the
+//! computation of one run with its motion.
 
 use std::any::Any;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::classification::{Evidence, Outcome, Runs, simulate, simulate_in_lockstep};
+use crate::classification::{
+    Evidence, Instants, Outcome, RecordedRun, RunRecorder, Runs, simulate, simulate_in_lockstep,
+    simulate_recorded,
+};
 use crate::model::Case;
 use crate::motion::{SimdLevel, is_cancelled};
-use crate::study::Plan;
+use crate::study::{Plan, Study};
 use crate::table::RunRecord;
 
 thread_local! {
@@ -153,6 +157,34 @@ pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
     let result = panic::catch_unwind(AssertUnwindSafe(work));
     QUIET.fetch_sub(1, Ordering::Relaxed);
     result.ok()
+}
+
+/// The largest number of instants, of switches and of impacts of a motion.
+pub const MOST_INSTANTS: usize = 1_000_000;
+
+/// Computes a run and returns its row and its motion, at the given times (ascending, in s) or at every step. At most
+/// [`MOST_INSTANTS`] instants and as many switches are recorded.
+///
+/// # Panics
+/// If `run_id` is not below [`crate::study::Plan::run_count`].
+pub fn record(study: &Study, run_id: u64, times_s: Option<&[f64]>) -> (RunRecord, RecordedRun) {
+    let natural = |case: &Case| case.model.natural_frequency_rad_s();
+    // An audited run is simulated twice; only the first simulation is recorded.
+    let recorder: RefCell<Option<RunRecorder>> = RefCell::new(None);
+    let simulated = |case: &Case| {
+        if recorder.borrow().is_some() {
+            return simulate(case);
+        }
+        let instants = match times_s {
+            None => Instants::EveryStep { inside: 0 },
+            Some(times) => Instants::At(times.iter().map(|time| time * natural(case)).collect()),
+        };
+        let mut slot = recorder.borrow_mut();
+        simulate_recorded(case, slot.insert(RunRecorder::new(instants, MOST_INSTANTS)))
+    };
+    let record = compute(study, run_id, simulated);
+    let recording = recorder.into_inner().map(RunRecorder::finish).unwrap_or_default();
+    (record, recording)
 }
 
 #[cfg(test)]

@@ -2,15 +2,14 @@
 //!
 //! The order and place of computation do not affect results: a run is a pure function of the study and its number.
 //!
-//! Read `compute` first: it computes one run or many in lockstep. `batches` says which runs come next, and `store` keeps
-//! finished runs. `progress_counts`, `watch` and `progress` show how far a computation is; `interrupt`, `grace_period` and
-//! `stop` end it early. A `worker` computes runs, `chunk_writer` passes them on to the store, and a `worker_pool` has the
-//! workers. `run_study` combines all of these.
+//! Read `compute` first: it computes one run, also with its motion, or many in lockstep. `batches` says which runs come
+//! next, and `store` keeps finished runs. `progress_counts`, `watch` and `progress` show how far a computation is;
+//! `interrupt` and `stop` end it early. A `worker` computes runs, `chunk_writer` passes them on to the store, and a
+//! `worker_pool` has the workers. `run_study` combines all of these.
 //!
 //! Directories of results follow: `output_dir` prepares the directory of a study. `exclusive_directory` is for commands
-//! that fill a directory once, and `continued_directory` for commands that continue one. `results_study` reads the study of
-//! a directory, `read_finished` its finished runs, and `readable_results` makes tables of them. `record_motion` needs only
-//! `compute`.
+//! that fill a directory once, and `continued_directory` for commands that continue one. `results_study` reads the
+//! study of a directory, and `readable_results` its finished runs, of which it makes tables.
 
 mod batches;
 mod chunk_writer;
@@ -18,16 +17,13 @@ mod command_error;
 mod compute;
 mod continued_directory;
 mod exclusive_directory;
-mod grace_period;
 mod interrupt;
 mod message;
 mod options;
 mod output_dir;
 mod progress;
 mod progress_counts;
-mod read_finished;
 mod readable_results;
-mod record_motion;
 mod results_study;
 mod run_study;
 mod stop;
@@ -37,7 +33,7 @@ mod worker;
 mod worker_pool;
 
 pub use command_error::CommandError;
-pub use compute::{compute, quietly};
+pub use compute::{MOST_INSTANTS, compute, quietly, record};
 pub use continued_directory::ContinuedDirectory;
 pub use exclusive_directory::ExclusiveDirectory;
 pub use interrupt::{stop_on_signals, survive_file_size_limit};
@@ -46,9 +42,9 @@ pub use options::EngineOptions;
 pub use output_dir::{OutputDir, PreparedDirectory};
 pub use progress::{Planned, Progress, ProgressDisplay};
 pub use progress_counts::Parts;
-pub use read_finished::{finished_run, read_finished};
-pub use readable_results::{ReadableResults, how_to_continue, readable_results};
-pub use record_motion::{MOST_INSTANTS, record};
+pub use readable_results::{
+    ReadableResults, finished_run, how_to_continue, read_finished, readable_results,
+};
 pub use results_study::{begun_study, results_study};
 pub use run_study::{EngineError, RunTotals, run_study, run_study_with};
 pub use stop::StopReason;

@@ -1,10 +1,13 @@
-//! The conditions under which a study stops before all its runs have finished.
+//! The conditions under which a study stops before all its runs have finished, and the grace period of runs in
+//! progress.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use super::EngineOptions;
-use super::grace_period::GRACE;
+use crate::motion::Cancellation;
 
 /// Why a study stopped before all its runs were finished. Runs in progress were finished or, after a second,
 /// abandoned.
@@ -95,4 +98,34 @@ impl<'a> StopCondition<'a> {
             None
         }
     }
+}
+
+/// The time that runs in progress have to finish when a study stops, before they are cancelled.
+const GRACE: Duration = Duration::from_secs(1);
+/// The interval between two checks of the grace period.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Runs `work` under a cancellation, which a separate thread triggers as soon as `is_over` returns true.
+pub(super) fn with_grace_period<T>(
+    mut is_over: impl FnMut() -> bool + Send,
+    work: impl FnOnce(&Cancellation) -> T,
+) -> T {
+    let cancellation = Cancellation::default();
+    thread::scope(|scope| {
+        let (working, done) = channel::<()>();
+        let to_cancel = cancellation.clone();
+        let watch = move || {
+            while done.recv_timeout(POLL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                if is_over() {
+                    to_cancel.cancel();
+                    return;
+                }
+            }
+        };
+        // If the watching thread cannot be started, runs in progress finish normally.
+        let _watching = thread::Builder::new().spawn_scoped(scope, watch);
+        let result = work(&cancellation);
+        drop(working);
+        result
+    })
 }

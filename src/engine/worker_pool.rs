@@ -9,8 +9,7 @@ use rayon::prelude::*;
 
 use super::EngineOptions;
 use super::compute::{Engine, InLockstep};
-use super::grace_period::with_grace_period;
-use super::stop::StopCondition;
+use super::stop::{StopCondition, with_grace_period};
 use super::worker::{RunQueue, Worker};
 use crate::classification::Label;
 use crate::motion::{Cancellation, SimdLevel};

@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 
 use super::in_words::{identification_json, result_in_words};
 use super::inference::{Inference, InferenceEnd, infer};
+use super::parameter_set::SetFiles;
 use super::result_files::{ResultFiles, SIMULATIONS};
 use super::set_densities::check_memory;
-use super::set_files::SetFiles;
 use super::site::sites;
 use super::warnings::warnings;
 use crate::engine::{CommandError, Parts, Planned, Progress, ProgressDisplay, WorkerPool};

@@ -1,6 +1,6 @@
-//! A parameter set with the ends of all its runs, and its file.
+//! A parameter set with the ends of all its runs, and the directory with the files of parameter sets.
 //!
-//! The file is named by the values of the parameters: every inference of the same study finds the runs that it needs,
+//! A file is named by the values of the parameters: every inference of the same study finds the runs that it needs,
 //! whatever the measurements are.
 
 use std::path::Path;
@@ -9,10 +9,11 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use super::end::{BallsEnd, SimulatedEnd};
+use crate::engine::{CommandError, ContinuedDirectory};
 use crate::responses::design_json;
 use crate::study::{DesignValue, Study};
 use crate::table::column::{Column, Columns};
-use crate::table::{Row, Table, TableError, sha256};
+use crate::table::{Row, Table, TableError, provenance_with, sha256};
 
 /// A parameter set with the ends of all its runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,4 +121,47 @@ fn read_end(row: &Row<'_>, balls: usize) -> Option<SimulatedEnd> {
     };
     let [run_id, point_id, stage] = ids;
     Some(SimulatedEnd { run_id: run_id?, point_id: point_id?, stage: stage?, end })
+}
+
+/// The files with the ends of simulated runs.
+pub(super) struct SetFiles<'a> {
+    study: &'a Study,
+    directory: ContinuedDirectory<'a>,
+}
+
+impl<'a> SetFiles<'a> {
+    pub fn open(study: &'a Study, path: &'a Path) -> Result<Self, CommandError> {
+        let is_set = |name: &str| {
+            let digits = name.strip_prefix("set-").and_then(|rest| rest.strip_suffix(".parquet"));
+            digits.is_some_and(|digits| {
+                digits.len() == 16 && digits.bytes().all(|byte| byte.is_ascii_hexdigit())
+            })
+        };
+        let reason = "this directory is not empty and holds no simulated runs";
+        let directory = ContinuedDirectory::open(path, reason, is_set)?;
+        Ok(SetFiles { study, directory })
+    }
+}
+
+impl SetFiles<'_> {
+    /// Returns the runs of a parameter set, if they have been computed before.
+    pub(super) fn find(
+        &mut self,
+        values: &[DesignValue],
+    ) -> Result<Option<ParameterSet>, CommandError> {
+        let name = format!("{}.parquet", set_name(self.study, values));
+        if self.directory.changed.contains(&name) || !self.directory.list.has(&name) {
+            return Ok(None);
+        }
+        read_parameter_set(self.study, self.directory.path, values)
+            .map_err(|error| CommandError::Usage(error.to_string()))
+    }
+
+    /// Keeps the runs of a parameter set.
+    pub(super) fn keep(&mut self, set: &ParameterSet) -> Result<(), CommandError> {
+        let (name, facts) = (set_name(self.study, &set.values), set_facts(self.study, &set.values));
+        let about = provenance_with(self.study, &name, &facts);
+        self.directory.write(&name, &about, set_columns(self.study), set.ends.clone())?;
+        Ok(())
+    }
 }

@@ -3,7 +3,7 @@
 use super::density::Rests;
 use super::site::{MeasuredRest, Site};
 use super::smoother::SetWeight;
-use crate::counted::counted;
+use crate::numbers::counted;
 
 /// The bandwidth of the kernels over the standard deviation of a measured angle: it adds 4 % to the variance.
 const BANDWIDTH: f64 = 0.2;

@@ -10,9 +10,8 @@ use std::any::{Any, TypeId};
 use smallvec::SmallVec;
 
 use super::contact_mode::record_contact;
-use super::driven_disc::{DiscSpeed, DrivenDisc};
 use super::recorded_balancer::{RecordedGap, equations, record_state};
-use super::system::pass_on;
+use super::system::{DiscSpeed, DrivenDisc, pass_on};
 use super::{
     Balancer, BallContact, ContactMode, Expression, Friction, Gap, GapEquations, LASTING_APPROACH,
     Machine, Recorder, RestForms, Structure, System, SystemEquations, Touching, pushes,

@@ -5,8 +5,7 @@
 use std::any::{Any, TypeId};
 use std::sync::Arc;
 
-use super::driven_disc::{DiscSpeed, DrivenDisc};
-use super::system::pass_on;
+use super::system::{DiscSpeed, DrivenDisc, pass_on};
 use super::{
     Balancer, BallsInContact, ContactMode, Expression, Friction, Machine, Number, Recorder,
     SPEED_TERMS, Structure, System, SystemEquations, Touching,

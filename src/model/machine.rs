@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
 use super::parameter_name::member_name;
-use super::{BallContact, Friction, FrictionLaw, Kick, SlidingSpeed, SpeedProfile};
+use super::{BallContact, Friction, FrictionLaw, SlidingSpeed, SpeedProfile};
 
 /// The largest number of balls that one machine may have.
 pub const MAX_BALLS: usize = 8;
@@ -248,5 +248,30 @@ impl Machine {
     /// The natural frequency `ω_n = sqrt(k / M)`, rad/s (thesis section 3.4).
     pub fn natural_frequency_rad_s(&self) -> f64 {
         (self.stiffness_n_m / self.total_mass_kg()).sqrt()
+    }
+}
+
+/// A kick: a jump of the table's velocity, as by a blow with a hammer, and the balls jump with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Kick {
+    /// The time, s.
+    pub at_s: f64,
+    /// The change of the table's velocity, m/s.
+    pub speed_m_s: f64,
+    /// The direction of the change, an angle in the frame at rest, rad; the imbalance has the angle 0 at the start.
+    pub direction_rad: f64,
+}
+
+impl Kick {
+    /// Checks that all values of the kick with this number, from 1, have a physical meaning.
+    fn validate(&self, number: usize) -> Result<(), InvalidParameter> {
+        positive(&member_name("kick_at_s", "s", number), self.at_s)?;
+        not_negative(&member_name("kick_speed_m_s", "m/s", number), self.speed_m_s)?;
+        let direction = self.direction_rad;
+        if direction.is_finite() {
+            return Ok(());
+        }
+        let name = member_name("kick_direction_rad", "rad", number);
+        Err(invalid(&name, &direction.to_string(), "a finite number"))
     }
 }

@@ -6,7 +6,7 @@
 //! run ends.
 //!
 //! Read the base first: [`Number`], [`State`] and [`Dual`] are values and their arithmetics, `graph` records equations, and
-//! `friction` has the laws. `contact_mode`, `gap`, `impact_law` and [`SpeedProfile`] lead to `system`, the interface of all
+//! `friction` has the laws. `contact_mode`, `gap` and [`SpeedProfile`] lead to `system`, the interface of all
 //! systems. `mechanism` records a system from a mass matrix, forces and contacts.
 //!
 //! The balancer follows: [`BallContact`] and [`Kick`] are parts of a [`Machine`] in SI units, and [`Balancer`] has its
@@ -26,12 +26,10 @@ mod balls_in_contact;
 mod campbell_diagram;
 mod case;
 mod certificate;
-mod contact;
 mod contact_mode;
 mod coordinate;
 mod disc_motion;
 mod driven;
-mod driven_disc;
 mod dual;
 mod equations;
 mod existence;
@@ -39,10 +37,8 @@ mod friction;
 mod gap;
 mod graph;
 mod held;
-mod impact_law;
 mod interval;
 mod invalid_parameter;
-mod kick;
 mod kind;
 mod machine;
 mod material;
@@ -65,7 +61,6 @@ mod speed_profile;
 mod stage;
 mod state;
 mod system;
-mod units;
 mod written;
 
 pub use angle::{wrap_to_pi, wrap_to_two_pi};
@@ -76,7 +71,6 @@ pub use balls_in_contact::BallsInContact;
 pub use campbell_diagram::CampbellDiagram;
 pub use case::{Case, Endings, Extend, ExtendedLabels, Method, Simulation, Tolerance};
 pub use certificate::{certified, certified_by_closed_form};
-pub use contact::Contact;
 pub use contact_mode::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
 pub use coordinate::{Coordinate, Start};
 pub use disc_motion::DiscMotion;
@@ -84,33 +78,31 @@ pub use dual::Dual;
 pub use equations::Forces;
 pub use existence::{ExistenceVerdict, SAFE_FRICTION};
 pub use friction::{
-    FRICTION_LAWS, Friction, FrictionLaw, Law, LawDimension, LawInputs, LawNumbers, LawParameter,
-    Lowest, MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
+    Contact, FRICTION_LAWS, Friction, FrictionLaw, Law, LawDimension, LawInputs, LawNumbers,
+    LawParameter, Lowest, MAX_LAW_PARAMETERS, Sliding, SlidingForce, SlidingSpeed,
 };
 pub use gap::Gap;
 pub(crate) use gap::pushes;
-pub(crate) use graph::{GraphPart, PerStructure};
 pub use graph::{
     ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,
     GapEquations, Graph, Node, NodeId, Opening, OpeningEquations, Recorder, Solve, StateLayout,
     Structure, SystemEquations,
 };
+pub(crate) use graph::{GraphPart, PerStructure};
 pub use held::{
     GapColumn, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds,
 };
-pub use impact_law::{ImpactLaw, LASTING_APPROACH};
 pub use interval::{Bounded, Interval};
 pub use invalid_parameter::InvalidParameter;
-pub use kick::Kick;
 pub use kind::{Capabilities, ContactNames, DefaultModel, ModelKind, OwnKind, OwnModel};
-pub use machine::{Ball, MAX_BALLS, Machine, NormalForce};
+pub use machine::{Ball, Kick, MAX_BALLS, Machine, NormalForce};
 pub use material::{MATERIALS, Material, STEEL_KG_M3};
 pub use mechanism::Mechanism;
 pub use mechanism_contact::{MechanismContact, MechanismNormal};
 pub use modelled::{Model, OtherCoordinates};
 pub use natural_frequencies::{NaturalFrequencies, SmallMotionEquations};
 pub use number::{Elementary, Function, Number};
-pub use output::{DerivedQuantity, OutputName, OutputUnits, OutputValue};
+pub use output::{ContactUnits, DerivedQuantity, OutputName, OutputUnits, OutputValue, Units};
 pub use parameter::{Bound, FRICTION_COEFFICIENT, Field, ParameterDescriptor};
 pub use parameter_name::unit_ending;
 pub use rest::RestPoint;
@@ -118,8 +110,9 @@ pub use rest_in_contact::TOUCHING;
 pub use speed_profile::{ProfilePart, Ramp, RampShape, SPEED_TERMS, SpeedProfile, SpeedSegment};
 pub use stage::Stage;
 pub use state::{Components, State};
-pub use system::{Recorded, RestAmplitude, RestForms, System, Touching, stiff_rate};
-pub use units::{ContactUnits, Units};
+pub use system::{
+    ImpactLaw, LASTING_APPROACH, Recorded, RestAmplitude, RestForms, System, Touching, stiff_rate,
+};
 pub use written::{
     COEFFICIENT, FaultAt, Formula, FormulaFault, IndexedName, LONGEST_FORMULA, SystemDefinition,
     WHOLE, WRITTEN, WrittenContact, WrittenCoordinate, WrittenDerived, WrittenFriction,

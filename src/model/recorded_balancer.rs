@@ -4,8 +4,7 @@
 use std::any::{Any, TypeId};
 
 use super::contact_mode::{add_contact_inputs, record_contact};
-use super::driven_disc::{DiscSpeed, DrivenDisc};
-use super::system::stiff_rate;
+use super::system::{DiscSpeed, DrivenDisc, stiff_rate};
 use super::{
     Balancer, BalancerBall, Contact, ContactEquations, ContactLayout, ContactMode, Expression,
     Forces, Friction, Number, Recorder, RestForms, State, StateLayout, Structure, System,

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::{
-    Components, ContactMode, Friction, Gap, Graph, ImpactLaw, PerStructure, Recorder, Structure,
+    Components, ContactMode, Expression, Friction, Gap, Graph, PerStructure, Recorder, Structure,
     SystemEquations,
 };
 
@@ -213,5 +213,49 @@ impl System for Recorded {
 
     fn as_any(&self) -> &dyn Any {
         self
+    }
+}
+
+/// Speed and acceleration of the disc in recorded equations.
+#[derive(Clone, Copy)]
+pub(super) struct DiscSpeed<'r> {
+    pub(super) speed: Expression<'r>,
+    pub(super) acceleration: Expression<'r>,
+}
+
+/// A system whose disc may turn with a speed that changes.
+pub(super) trait DrivenDisc: System + Clone {
+    /// Records the equations at constant speed, or with what `turning` returns. `turning` is called when the components of
+    /// the state are recorded, and may record another one.
+    fn record_turning<'r>(
+        &self,
+        recorder: &'r Recorder,
+        turning: impl FnOnce() -> Option<DiscSpeed<'r>>,
+    ) -> SystemEquations<'r>;
+
+    /// Returns the values of the inputs without those that `turning` records.
+    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64>;
+}
+
+/// The speed of approach below which contact lasts: a ten-thousandth of a typical speed of running balls.
+pub const LASTING_APPROACH: f64 = 1e-6;
+
+/// How the bodies of a contact separate after an impact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpactLaw {
+    /// The speed of separation over the speed of approach, 0 to 1 (Newton).
+    pub restitution: f64,
+    /// The sliding speed after an impact without slip over that before it, with the opposite sign, 0 to 1.
+    pub tangential_restitution: f64,
+    /// The speed of approach, non-dimensional, below which contact lasts unless impacts lose no energy: infinitely many
+    /// impacts would follow within a time that is proportional to the speed.
+    pub lasting_approach: f64,
+}
+
+impl Default for ImpactLaw {
+    /// The bodies stay together.
+    fn default() -> Self {
+        let lasting_approach = LASTING_APPROACH;
+        ImpactLaw { restitution: 0.0, tangential_restitution: 0.0, lasting_approach }
     }
 }

@@ -8,9 +8,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::goal::Goal;
-use super::pareto::pareto_front;
-use super::quantity_scale::QuantityScale;
+use super::goal::{Goal, pareto_front};
+use super::process::QuantityScale;
 
 /// Normal distribution of a quantity of a design: mean and standard deviation.
 pub(super) type Prediction = (f64, f64);

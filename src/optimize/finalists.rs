@@ -7,12 +7,10 @@
 
 use std::borrow::Cow;
 
-use super::evaluation::Evaluation;
-use super::goal::{Goal, values};
-use super::pareto::pareto_front;
+use super::evaluations::Evaluation;
+use super::goal::{Goal, pareto_front, values};
 use super::search::Search;
-use crate::analysis::Estimate;
-use crate::analysis::Measure;
+use crate::analysis::{Estimate, Measure};
 use crate::classification::Label;
 use crate::named::named;
 use crate::responses::{Answer, DesignToEvaluate, respond};

@@ -5,8 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::{Value, json};
 
-use super::evaluation::{DesignOrigin, Evaluation};
-use super::evaluations_table::read_evaluations;
+use super::evaluations::{DesignOrigin, Evaluation, read_evaluations};
 use super::finalists::{FinalistRole, Finalists, final_runs, finalists};
 use super::report::{nearest_unmet, optimum_json, result_in_words, search_line};
 use super::search::{Search, SearchEnd, search};
@@ -14,8 +13,8 @@ use super::search_directory::SearchDirectory;
 use super::sensitivity::{sensitivities, surrogates};
 use super::tables::sensitivity_columns;
 use crate::classification::Label;
-use crate::counted::counted;
 use crate::engine::{CommandError, Parts, Planned, Progress, ProgressDisplay, WorkerPool, say};
+use crate::numbers::counted;
 use crate::responses::check_answerable;
 use crate::study::{SensitivityFrom, Study};
 

@@ -1,33 +1,28 @@
 //! Sequential approximate optimisation: surrogates of a few designs choose the next ones.
 //!
-//! A search begins with space-filling designs over all ranges and choices, which reveal discontinuities that steps
-//! from a single design would miss. Then surrogates of all objectives and limits choose designs in batches. Design
-//! number `k` is a function of the study and of the designs before it, so that an interrupted search can continue and
-//! the number of threads does not matter. The estimate of the best design is biased by the selection; therefore its
+//! A search begins with space-filling designs over all ranges and choices, which reveal discontinuities that steps from
+//! a single design would miss. Then surrogates of all objectives and limits choose designs in batches. Design number
+//! `k` is a function of the study and of the designs before it, so that an interrupted search can continue and the
+//! number of threads does not matter. The estimate of the best design is biased by the selection; therefore its
 //! reported responses come from other and more runs.
 //!
-//! Read `space` first, which has the designs, then `evaluation`, which is one evaluated design. `over_points` combines the
-//! points of a sweep into one value, `goal` says what is sought, and `pareto` finds the designs that no other one
-//! dominates. `process` is a Gaussian process of a quantity on its `quantity_scale`, `criterion` says how good a design
-//! promises to be, and `proposal` maximises it. `surrogate` is a smooth approximation of a response. `suggest` and
-//! `next_designs` choose designs with these, and `search` evaluates them. Afterwards `finalists` evaluates the best designs
-//! again. `sensitivity` computes, with `sobol_indices`, how much of the variance each variable explains. `report` writes
-//! the result in words, and `into_directory` runs everything with progress.
+//! Read `space` first, which has the designs, then `evaluations`, the evaluated designs. `goal` combines the points of
+//! a sweep into one value, says what is sought, and finds the designs that no other one dominates. `process` is a
+//! Gaussian process of a quantity on its own scale, `criterion` says how good a design promises to be, and `proposal`
+//! maximises it. `surrogate` is a smooth approximation of a response. `suggest` and `next_designs` choose designs with
+//! these, and `search` evaluates them. Afterwards `finalists` evaluates the best designs again. `sensitivity` computes,
+//! with `sobol_indices`, how much of the variance each variable explains. `report` writes the result in words, and
+//! `into_directory` runs everything with progress.
 
 mod criterion;
-mod evaluation;
-mod evaluations_table;
+mod evaluations;
 mod finalists;
 mod goal;
-mod in_words;
 mod into_directory;
 mod next_designs;
 mod notes;
-mod over_points;
-mod pareto;
 mod process;
 mod proposal;
-mod quantity_scale;
 mod report;
 mod search;
 mod search_directory;
@@ -38,15 +33,14 @@ mod suggest;
 mod surrogate;
 mod tables;
 
-pub use evaluation::{DesignOrigin, Evaluation};
-pub use evaluations_table::{evaluation_columns, read_evaluations, search_facts};
+pub use evaluations::{
+    DesignOrigin, Evaluation, evaluation_columns, read_evaluations, search_facts,
+};
 pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
-pub use goal::{Goal, ResponseOverPoints};
-pub use in_words::unmet_limits;
+pub use goal::{Goal, ResponseOverPoints, pareto_front};
 pub use into_directory::{Optimize, Optimized};
 pub use notes::{ReachedBound, bounds_in_words, notes, on_bounds, use_of_balls};
-pub use pareto::pareto_front;
-pub use report::{nearest_unmet, optimum_json, result_in_words, search_line};
+pub use report::{nearest_unmet, optimum_json, result_in_words, search_line, unmet_limits};
 pub use search::{Search, SearchEnd, search};
 pub use sensitivity::{QuantitySurrogate, Sensitivity, sensitivities, surrogates};
 pub use sobol_indices::{Indices, pick_freeze_sample, sobol_indices};

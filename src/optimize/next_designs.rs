@@ -5,7 +5,7 @@
 //! before the batch alone. Hyperparameters are fitted at the beginning of some batches, less often the more designs
 //! there are.
 
-use super::evaluation::{DesignOrigin, Evaluation};
+use super::evaluations::{DesignOrigin, Evaluation};
 use super::goal::Goal;
 use super::process::Hyperparameters;
 use super::proposal::DesignValues;

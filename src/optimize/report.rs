@@ -1,21 +1,20 @@
-//! The result of a search, as JSON and in words.
+//! The result of a search, as JSON and in words, every number with its unit.
 
 use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::evaluation::Evaluation;
+use super::evaluations::Evaluation;
 use super::finalists::{Finalist, FinalistRole, Finalists};
 use super::goal::Goal;
-use super::in_words::{estimate_in_words, unmet_limits, value_in_words};
 use super::notes::{notes, on_bounds};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
 use crate::analysis::{Estimate, estimate_difference, estimate_ratio};
-use crate::numbers::four_digits;
+use crate::numbers::{four_digits, trimmed};
 use crate::printed_table::text_table;
 use crate::responses::design_json;
-use crate::study::{DesignValue, Optimization, Study};
+use crate::study::{DesignValue, Limit, Optimization, Study, Unit};
 
 /// Returns the contents of `optimum.json`.
 pub fn optimum_json(
@@ -252,4 +251,41 @@ pub fn nearest_unmet(
 fn range(estimates: &[Estimate]) -> Option<(String, String)> {
     let values = || estimates.iter().filter_map(|estimate| estimate.value);
     Some((four_digits(values().reduce(f64::min)?), four_digits(values().reduce(f64::max)?)))
+}
+
+/// Returns a value with its unit, such as `2.310 µm`.
+fn value_in_words(value: f64, unit: &Unit) -> String {
+    let Unit { symbol, .. } = unit;
+    let blank = if symbol.is_empty() { "" } else { " " };
+    format!("{}{blank}{symbol}", four_digits(unit.of(value)))
+}
+
+/// Returns an estimate in words, such as `2.310 µm (2.100 to 2.500)`.
+fn estimate_in_words(estimate: &Estimate, unit: &Unit) -> String {
+    let Some(value) = estimate.value else {
+        let reason = estimate.reason.as_deref().unwrap_or("not known");
+        return format!("none: {reason}");
+    };
+    let end =
+        |end: Option<f64>| end.map_or_else(|| "?".to_owned(), |end| four_digits(unit.of(end)));
+    format!("{} ({} to {})", value_in_words(value, unit), end(estimate.low), end(estimate.high))
+}
+
+/// Returns the limits that estimates of the goal's quantities do not meet, such as
+/// `quiet is 0.8500 (0.8300 to 0.8700), allowed: at least 0.9`.
+pub fn unmet_limits(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Vec<String> {
+    let unmet = |(quantity, limit): &(usize, Limit)| {
+        let estimate = estimates.get(*quantity)?;
+        let is_met = |value| if limit.least { value >= limit.value } else { value <= limit.value };
+        if estimate.value.is_some_and(is_met) {
+            return None;
+        }
+        let response = study.responses().get(limit.response)?;
+        let unit = study.units().of_response(response.unit());
+        let found = estimate_in_words(estimate, &unit);
+        let relation = if limit.least { "at least" } else { "at most" };
+        let bound = format!("{} {}", trimmed(unit.of(limit.value)), unit.symbol);
+        Some(format!("{} is {found}, allowed: {relation} {}", response.name, bound.trim_end()))
+    };
+    goal.limits.iter().filter_map(unmet).collect()
 }

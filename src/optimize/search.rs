@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::evaluation::Evaluation;
+use super::evaluations::Evaluation;
 use super::goal::Goal;
 use super::next_designs::{Fits, NextDesign, batch, start_designs};
 use crate::classification::Label;

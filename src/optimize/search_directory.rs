@@ -4,8 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::evaluation::Evaluation;
-use super::evaluations_table::{evaluation_columns, search_facts};
+use super::evaluations::{Evaluation, evaluation_columns, search_facts};
 use super::finalists::{FinalistRole, Finalists};
 use super::sensitivity::QuantitySurrogate;
 use super::tables::{finalist_columns, pareto_columns};

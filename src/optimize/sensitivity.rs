@@ -5,7 +5,7 @@ use std::convert::Infallible;
 
 use rayon::prelude::*;
 
-use super::evaluation::Evaluation;
+use super::evaluations::Evaluation;
 use super::goal::Goal;
 use super::search::Search;
 use super::sobol_indices::{Indices, pick_freeze_sample, sobol_indices};

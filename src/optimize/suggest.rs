@@ -4,11 +4,10 @@ use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
 use super::criterion::{Criterion, Prediction};
-use super::evaluation::Evaluation;
+use super::evaluations::Evaluation;
 use super::goal::Goal;
-use super::process::{Hyperparameters, Interpolation};
+use super::process::{Hyperparameters, Interpolation, QuantityScale};
 use super::proposal::{DesignValues, by_criterion};
-use super::quantity_scale::QuantityScale;
 use super::space::Space;
 use super::surrogate::table;
 use crate::analysis::Estimate;

@@ -1,9 +1,8 @@
 //! Sentences on the points of a study: whether the runs vibrate less than without balls, whether balls overlap, and what to
 //! change.
 
-use super::data::PointFacts;
+use super::data::{NamedPoints, PointFacts};
 use super::remedies::Remedies;
-use super::words::NamedPoints;
 use crate::analysis::reference_amplitude;
 use crate::numbers::percent;
 use crate::study::Study;

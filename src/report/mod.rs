@@ -5,7 +5,7 @@
 //! and `conclusion` write its sentences, and `optimum` makes the report of a search. `page` puts everything into HTML.
 //! `overwrite` says which files may be replaced, and `write` writes the page.
 //!
-//! `stored_run`, `animation` and `replay` are about one run that is computed again, and `comparison` is about two studies.
+//! `animation` and `replay` are about one run that is computed again, and `comparison` is about two studies.
 
 mod animation;
 pub mod chart;
@@ -20,8 +20,6 @@ mod page;
 mod printed_columns;
 mod remedies;
 mod replay;
-mod stored_run;
-mod words;
 mod write;
 
 pub use crate::engine::MOST_INSTANTS;
@@ -30,12 +28,13 @@ pub use crate::printed_table::PrintedColumn;
 pub use animation::{ANIMATION, animation, frames, time_text};
 pub use comparison::{ComparedPoint, ComparedQuantity, ComparedResults, Comparison, compare};
 pub use conclusion::Conclusion;
-pub use data::{Budget, Fraction, IncompletePoints, PointFacts, ReportData, ResultTables};
+pub use data::{
+    Budget, Fraction, IncompletePoints, NamedPoints, PointFacts, ReportData, ResultTables,
+};
 pub use figures::of_results;
 pub use optimum::{OptimumData, notes, of_search};
 pub use overwrite::beside;
 pub use page::{OWN, optimum_page, page};
 pub use printed_columns::{Estimates, estimate_columns, printed_columns, response_columns};
 pub use replay::{Replay, SWITCHES};
-pub use words::NamedPoints;
 pub use write::{printed_figures, printed_figures_of, write_report};

@@ -1,8 +1,7 @@
 //! What to change where most runs vibrate more than without balls, and where many runs are undecided, as far as closed
 //! forms and counts tell.
 
-use super::data::PointFacts;
-use super::words::NamedPoints;
+use super::data::{NamedPoints, PointFacts};
 use crate::check::Obstacle;
 use crate::classification::{FoundEndings, Label, found_endings};
 use crate::model::{Endings, Model};

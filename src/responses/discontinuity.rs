@@ -1,10 +1,13 @@
-//! Detects abrupt changes of label fractions between neighbouring designs.
+//! Detects abrupt changes of label fractions between neighbouring designs, in a table of designs or in a sequence of
+//! requests.
 //!
 //! Neighbours of a design are the designs nearest to it in scaled variables (a range has length 1; different choices
-//! have distance 1). Fisher's exact test compares each label's fraction in the two designs (R. A. Fisher, J. R.
-//! Stat. Soc. 85 (1922) 87, doi:10.2307/2340521); the tests of labels and of pairs divide the level evenly
-//! (Bonferroni). Runs of neighbouring designs share their start states, so their labels differ less by chance than the
-//! test assumes. With many runs, small changes are also significant.
+//! have distance 1). Fisher's exact test compares each label's fraction in the two designs (R. A. Fisher, J. R. Stat.
+//! Soc. 85 (1922) 87, doi:10.2307/2340521); the tests of labels and of pairs divide the level evenly (Bonferroni). Runs
+//! of neighbouring designs share their start states, so their labels differ less by chance than the test assumes. With
+//! many runs, small changes are also significant.
+
+use std::collections::VecDeque;
 
 use statrs::function::factorial::ln_binomial;
 
@@ -12,7 +15,7 @@ use crate::analysis::LabelCounts;
 use crate::classification::Label;
 
 /// The probability that any design of a table is flagged although no label's fraction changes.
-pub(super) const LEVEL: f64 = 0.01;
+const LEVEL: f64 = 0.01;
 
 /// The largest number of designs of a table for a comparison of all pairs.
 pub const MOST_DESIGNS: usize = 10_000;
@@ -51,18 +54,18 @@ fn pairs(scaled: &[Vec<f64>]) -> Vec<(usize, usize)> {
 }
 
 /// Returns the squared distance between two designs.
-pub(super) fn distance(left: &[f64], right: &[f64]) -> f64 {
+fn distance(left: &[f64], right: &[f64]) -> f64 {
     left.iter().zip(right).map(|(left, right)| (left - right) * (left - right)).sum()
 }
 
 /// Returns whether a distance equals the least one. Rounding errors are tolerated, so that the order of designs does
 /// not matter.
-pub(super) fn is_nearest(distance: f64, least: f64) -> bool {
+fn is_nearest(distance: f64, least: f64) -> bool {
     distance <= least * (1.0 + 1e-9)
 }
 
 /// Returns whether any label's fraction differs in a test at this level.
-pub(super) fn labels_differ(left: &LabelCounts, right: &LabelCounts, level: f64) -> bool {
+fn labels_differ(left: &LabelCounts, right: &LabelCounts, level: f64) -> bool {
     Label::ALL.iter().any(|label| p_value(left, right, *label) <= level)
 }
 
@@ -76,6 +79,54 @@ fn p_value(left: &LabelCounts, right: &LabelCounts, label: Label) -> f64 {
     let here = log(a);
     let range = (a + b).saturating_sub(m)..=n.min(a + b);
     range.map(log).filter(|log| *log <= here + 1e-9).map(libm::exp).sum()
+}
+
+/// The largest number of stored counts, one per design and point: about 50 MB.
+const MOST_COUNTS: u64 = 1_000_000;
+
+/// A design with its label counts at each point.
+struct EarlierDesign {
+    scaled: Vec<f64>,
+    counts: Vec<LabelCounts>,
+}
+
+/// The designs of the last requests: at most [`MOST_DESIGNS`], fewer for studies with many points. The oldest design
+/// is dropped first.
+pub struct Neighbours {
+    designs: VecDeque<EarlierDesign>,
+    capacity: usize,
+}
+
+impl Neighbours {
+    /// Creates an empty list for designs with this many points.
+    pub fn new(points: u64) -> Self {
+        let capacity = (MOST_COUNTS / points.max(1)).clamp(1, MOST_DESIGNS as u64);
+        Neighbours { designs: VecDeque::new(), capacity: usize::try_from(capacity).unwrap_or(1) }
+    }
+
+    /// Returns, point by point, whether the labels of a design differ from those of a nearest earlier design; `None` if
+    /// there is none. `scaled` holds the variables, with ranges of length 1. All tests of a point together have a
+    /// level of 1 %. A repeated design is not its own neighbour.
+    pub fn compare(&mut self, scaled: Vec<f64>, counts: Vec<LabelCounts>) -> Vec<Option<bool>> {
+        let others = || self.designs.iter().filter(|other| other.scaled != scaled);
+        let distance_to = |other: &EarlierDesign| distance(&scaled, &other.scaled);
+        let least = others().map(distance_to).fold(f64::INFINITY, f64::min);
+        let nearest: Vec<&EarlierDesign> =
+            others().filter(|other| is_nearest(distance_to(other), least)).collect();
+        let level = LEVEL / (nearest.len() * Label::ALL.len()) as f64;
+        let differs = |(point, labels): (usize, &LabelCounts)| {
+            let mut at_point = nearest.iter().filter_map(|other| other.counts.get(point));
+            (!nearest.is_empty()).then(|| at_point.any(|other| labels_differ(labels, other, level)))
+        };
+        let flags = counts.iter().enumerate().map(differs).collect();
+        if self.designs.iter().all(|other| other.scaled != scaled) {
+            if self.designs.len() == self.capacity {
+                self.designs.pop_front();
+            }
+            self.designs.push_back(EarlierDesign { scaled, counts });
+        }
+        flags
+    }
 }
 
 #[cfg(test)]

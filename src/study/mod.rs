@@ -35,42 +35,36 @@
 //! # Ok::<(), stickslip::study::StudyError>(())
 //! ```
 
-mod defaults;
-mod design_table;
 mod error;
 pub mod file;
 mod kinds;
 mod load;
-mod measured_table;
 mod plan;
 mod resolve;
 mod sampling;
 mod schema;
-mod table_source;
+mod tables;
 mod template;
 
 pub use error::StudyError;
 pub(crate) use error::{list_names, shorten};
-pub use file::identify_file::PriorSpacing;
-pub use file::optimize_file::{OverPoints, SensitivityFrom};
+pub use file::searches_file::{OverPoints, PriorSpacing, SensitivityFrom};
 pub use kinds::{Registry, RegistryError, model_kind, model_kinds};
-pub use measured_table::{MeasuredRun, implausible_angle};
 pub use plan::audit::Audit;
-pub use plan::changed_keys::changed_keys;
 pub use plan::expectation::Expectation;
-pub use plan::identification::Identification;
-pub use plan::optimization::{Limit, Objective, Optimization};
 pub use plan::parameter::{ParameterKind, ParameterValue, VariedParameter};
 pub use plan::parameter_list::{ListedParameter, SweptValues, UncertainRange};
 pub use plan::planned_runs::{Plan, PlannedRun, Point};
 pub use plan::planned_study::Study;
 pub use plan::precision::{Precision, Sampling};
 pub use plan::repeated_points::RepeatedPoints;
+pub use plan::resolved_study::changed_keys;
 pub use plan::response::{AmplitudeKind, Response};
+pub use plan::searches::{Identification, Limit, Objective, Optimization};
 pub(crate) use plan::units::short_name;
 pub use plan::units::{ShownUnits, Unit};
 pub use plan::variable::{DesignValue, Values, Variable};
 pub(crate) use sampling::draw::mixed;
 pub use schema::json_schema;
-pub use table_source::TableSource;
+pub use tables::{MeasuredRun, TableSource, implausible_angle};
 pub use template::Template;

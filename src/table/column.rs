@@ -1,4 +1,4 @@
-//! A column of a table: its name, unit and meaning, and how its value is computed from a row.
+//! A column of a table: its name, unit and meaning, and how its value is computed from a row; and a batch of rows.
 //!
 //! A table is a list of columns; its schema and its record batches are derived from the same list.
 
@@ -11,8 +11,9 @@ use arrow_array::{
     ArrayRef, BooleanArray, Float64Array, Int32Array, RecordBatch, StringArray, UInt8Array,
     UInt64Array,
 };
-use arrow_schema::ArrowError;
-use arrow_schema::{DataType, Field, Schema};
+use arrow_schema::{ArrowError, DataType, Field, Schema};
+
+use crate::tabular::ColumnValues;
 
 type Build<R> = Box<dyn Fn(&[R]) -> ArrayRef + Send + Sync>;
 type Read<R> = Box<dyn Fn(&mut R, &dyn NamedCells, &str) + Send + Sync>;
@@ -227,4 +228,26 @@ pub(super) fn read_into<R>(columns: &[Column<R>], row: &dyn NamedCells, into: &m
 pub fn batch<R>(columns: &[Column<R>], rows: &[R]) -> Result<RecordBatch, ArrowError> {
     let arrays = columns.iter().map(|column| (column.build)(rows)).collect();
     RecordBatch::try_new(schema(columns), arrays)
+}
+
+/// A batch of consecutive rows of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// The number of the first row, counted from 0.
+    pub first_row: u64,
+    /// The number of rows.
+    pub rows: usize,
+    /// The requested columns, in the order of the request.
+    pub columns: Vec<(String, ColumnValues)>,
+}
+
+impl Batch {
+    /// Returns rows that are not written yet as they will be read.
+    pub fn of<R>(columns: &[Column<R>], rows: &[R]) -> Result<Self, ArrowError> {
+        let written = batch(columns, rows)?;
+        let names = columns.iter().map(|column| column.name().to_owned());
+        let values = names.zip(written.columns());
+        let columns = values.filter_map(|(name, values)| Some((name, ColumnValues::of(values)?)));
+        Ok(Batch { first_row: 0, rows: rows.len(), columns: columns.collect() })
+    }
 }

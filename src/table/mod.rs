@@ -15,7 +15,6 @@
 //!   inspects such a directory before a run, and `previous_results` moves earlier results aside.
 
 mod atomic_files;
-mod batch;
 pub mod cell;
 pub mod column;
 mod cycles;
@@ -58,7 +57,7 @@ mod writer;
 pub use crate::tabular::{ColumnValues, Kind};
 pub use atomic_files::{clear_temporaries, write_atomically, write_once};
 pub(crate) use atomic_files::{is_own, temporary_file};
-pub use batch::Batch;
+pub use column::Batch;
 pub use cycles::{CycleRow, cycle_columns};
 pub use durable_directories::{is_inside, make_directory, make_inside, sync_directory};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};

@@ -13,7 +13,7 @@ use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, Schema};
 use serde_json::Value;
 
-use super::batch::Batch;
+use super::column::Batch;
 use super::file_entry::short_hash;
 use super::file_list::{FILES, FileList};
 use super::manifest::{MANIFEST, Manifest};

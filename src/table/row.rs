@@ -5,8 +5,7 @@ use std::cell::{Cell, RefCell};
 
 use serde_json::Value;
 
-use super::batch::Batch;
-use super::column::NamedCells;
+use super::column::{Batch, NamedCells};
 use super::read::{Table, TableBatches};
 use super::table_error::TableError;
 use crate::classification::Label;

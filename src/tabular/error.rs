@@ -1,4 +1,6 @@
-//! The error of a table that is refused, with its line, row and column.
+//! The error of a table that is refused, with its line, row and column, also for a panic of the Parquet library.
+
+use std::panic::{self, AssertUnwindSafe};
 
 use serde::Serialize;
 
@@ -48,4 +50,12 @@ impl From<Fault> for Refusal {
     fn from(fault: Fault) -> Refusal {
         Refusal { line: None, row: None, column: None, fault: Box::new(fault) }
     }
+}
+
+/// Calls the Parquet library, which panics on some damaged files, for example if a value refers to a missing dictionary
+/// entry. The values that `call` changes must not be used after a fault.
+pub(super) fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, Fault> {
+    // The caller drops every value that `call` may have left half changed.
+    panic::catch_unwind(AssertUnwindSafe(call))
+        .map_err(|_| Fault::damaged("contents that the Parquet library cannot decode"))
 }

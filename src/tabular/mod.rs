@@ -10,7 +10,6 @@
 mod cells;
 mod csv;
 mod error;
-mod library_panics;
 mod pages;
 mod parquet;
 mod read_cells;

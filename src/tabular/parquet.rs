@@ -19,8 +19,7 @@ use parquet::column::page::PageIterator;
 use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
 
-use super::error::Fault;
-use super::library_panics::guarded;
+use super::error::{Fault, guarded};
 use super::pages::Chunks;
 use super::source::{ByteLocation, ParquetSource};
 use super::values::Kind;

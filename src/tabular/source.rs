@@ -9,8 +9,7 @@ use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::reader::{ChunkReader, Length};
 
-use super::error::Fault;
-use super::library_panics::guarded;
+use super::error::{Fault, guarded};
 use super::thrift;
 use super::unpack::MAX_PAGE_BYTES;
 

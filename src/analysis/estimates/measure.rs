@@ -2,8 +2,7 @@
 
 use super::amplitude::{mean, quantile, standard_deviation, worst};
 use super::estimate::{Estimate, RunResult, Sample};
-use super::probability::{above, at_rest_by};
-use super::rest_time::median_time_to_rest;
+use super::probability::{above, at_rest_by, median_time_to_rest};
 
 /// The estimated quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,14 @@
-//! Probabilities of rest by a time, and of an amplitude above a limit.
+//! Probabilities of rest by a time, and of an amplitude above a limit, and the median time to rest.
 //!
-//! The results of failed runs are unknown: the lower end of the interval counts all of them as failures, the upper
-//! end as successes, as in `points.parquet`; the value counts them as failures. The standard error is half of the
+//! The results of failed runs are unknown: the lower end of the interval of a probability counts all of them as failures,
+//! the upper end as successes, as in `points.parquet`; the value counts them as failures. The standard error is half of the
 //! interval of the other runs, divided by the normal quantile 1.96: unlike `√(p (1 - p) / n)` it is not zero if all
 //! runs have the same result.
 
 use super::estimate::{Estimate, RunResult, Sample};
+use super::sample_quantile::{CumulativeFraction, standard_error};
 use crate::analysis::{
-    StratifiedCells, SurvivalCurve, ValueCounts, Z_95, rest_or_stop_time, wilson,
+    StratifiedCells, SurvivalCurve, SurvivalStep, ValueCounts, Z_95, rest_or_stop_time, wilson,
     wilson_with_failures,
 };
 use crate::classification::Label;
@@ -96,4 +97,34 @@ fn kaplan_meier(sample: &Sample, time_s: f64) -> Estimate {
     let known = (all - failures) / all;
     let ends = [(1.0 - high) * known, (1.0 - low) * known + (1.0 - known)];
     Estimate::known((1.0 - moving) * known, (high - low) / (2.0 * Z_95), ends)
+}
+
+/// Estimates the time by which half of the runs have come to rest, s (Kaplan-Meier, with the interval of Brookmeyer
+/// and Crowley, see [`SurvivalCurve`], and the bootstrap's standard error). Failed runs are excluded.
+pub fn median_time_to_rest(sample: &Sample) -> Estimate {
+    let curve = SurvivalCurve::new(times(sample).groups());
+    if curve.steps.is_empty() {
+        return Estimate::unknown("no run came to rest");
+    }
+    let [low, high] = curve.time_to_rest_interval(0.5);
+    let Some(value) = curve.time_to_rest_quantile(0.5) else {
+        return Estimate {
+            low,
+            high,
+            ..Estimate::unknown("less than half of the runs come to rest")
+        };
+    };
+    let error = standard_error(curve.steps.iter().map(cumulative), 0.5);
+    let too_few = "too few runs at rest for both ends of the interval";
+    Estimate::with_interval(value, error, [low, high], too_few)
+}
+
+/// Returns the fraction at rest after a step, and the number of independent runs for which the binomial variance equals
+/// Greenwood's variance.
+fn cumulative(step: &SurvivalStep) -> CumulativeFraction {
+    let (moving, rest) = (step.moving, 1.0 - step.moving);
+    // Without moving runs the number does not matter.
+    let effective = |error: f64| moving * rest / (error * error);
+    let runs = step.standard_error().map_or(step.at_risk as f64, effective);
+    CumulativeFraction { value: step.time_s, proportion: rest, runs }
 }

@@ -2,9 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::chunk::Chunk;
+use super::chunk::{CaseKey, Chunk, StoredOutcome};
 use super::folder::{Folder, ListedChunk, what_follows};
-use super::record::{CaseKey, StoredOutcome};
 use crate::engine::say;
 use crate::study::PlannedRun;
 use crate::table::RunRecord;

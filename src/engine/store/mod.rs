@@ -1,30 +1,28 @@
 //! The finished runs on disk, so that no run is computed twice.
 //!
-//! A directory of results has a folder `chunks/` with one folder per study that was run there, named after its
-//! hash. Runs of the same study are found by their numbers, in this directory and in those of its shards; runs of
-//! other studies are found by their cases. Every chunk is verified by its hash and every run by its case. Runs that
-//! are not found are computed and stored.
+//! A directory of results has a folder `chunks/` with one folder per study that was run there, named after its hash.
+//! Runs of the same study are found by their numbers, in this directory and in those of its shards; runs of other
+//! studies are found by their cases. Every chunk is verified by its hash and every run by its case. Runs that are not
+//! found are computed and stored.
 //!
-//! Read `record` first: one finished run. `chunk` is a file of such runs, and `folder` has the chunks of one study with
-//! their list. `chunk_index` and `result_cache` find runs by their numbers and by their cases, and `lock` keeps other
-//! processes away. [`Store`] combines them.
+//! Read `chunk` first: one finished run, and a file of such runs. `folder` has the chunks of one study with their list.
+//! `chunk_index` and `result_cache` find runs by their numbers and by their cases, and `lock` keeps other processes
+//! away. [`Store`] combines them.
 
 mod chunk;
 mod chunk_index;
 mod folder;
 mod lock;
-mod record;
 mod result_cache;
 mod store_error;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-pub(super) use chunk::NewResult;
+pub(super) use chunk::{CaseKey, NewResult, StoredOutcome};
 pub use chunk::{Chunk, ChunkFault};
 pub(super) use chunk_index::{ChunkIndex, StoredResult};
 pub use folder::ListedChunk;
-pub(super) use record::{CaseKey, StoredOutcome};
 pub(super) use result_cache::ResultCache;
 pub use store_error::StoreError;
 

@@ -3,9 +3,8 @@
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::chunk::Chunk;
+use super::chunk::{CaseKey, Chunk};
 use super::folder::{Folder, ListedChunk};
-use super::record::CaseKey;
 use crate::engine::say;
 
 /// Number of chunks in memory.

@@ -21,7 +21,7 @@ pub use friction_law::FrictionLaw;
 use law::about;
 pub use law::{Law, LawInputs, LawNumbers, Sliding, SlidingForce};
 pub use law_parameter::{LawDimension, LawParameter, Lowest, MAX_LAW_PARAMETERS, SlidingSpeed};
-pub use non_dimensional::Friction;
+pub use non_dimensional::{Contact, Friction};
 
 /// All friction laws, in the order of the documentation.
 pub static FRICTION_LAWS: [&dyn Law; 5] = [

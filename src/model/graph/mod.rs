@@ -3,14 +3,13 @@
 //! A system writes its equations with [`Expression`]s, which have the operators of numbers. The graph then gives
 //! values, power series in time of any order, and both along a displacement, by code that knows no system.
 //!
-//! Read `node` first: the operations of a graph. A [`Recorder`] collects nodes, and an [`Expression`] adds one with each
-//! operator. `quantities` gives a system its inputs, its components of the state and its unknowns. `equations` lists what a
-//! system returns, and `recorded` makes the [`Graph`]. `derivative` and `degree` examine the graph, `part` evaluates some
-//! of its results alone, and `per_structure`
-//! keeps what is computed once for all systems with equal equations.
+//! Read `node` first: the operations of a graph. A [`Recorder`] collects nodes, and an [`Expression`] adds one with
+//! each operator and has derivatives. `quantities` gives a system its inputs, its components of the state and its
+//! unknowns. `equations` lists what a system returns, `part` evaluates some of its results alone, and `recorded` makes the
+//! [`Graph`]. `degree` examines the graph, and `per_structure` keeps what is computed once for all systems with equal
+//! equations.
 
 mod degree;
-mod derivative;
 mod equations;
 mod expression;
 mod node;

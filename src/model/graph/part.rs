@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use super::{Graph, Node, NodeId};
+use super::{Node, NodeId, Solve};
 use crate::model::Elementary;
 
 /// The nodes that some results need.
@@ -15,22 +15,37 @@ pub(crate) struct GraphPart {
     results: Vec<NodeId>,
 }
 
-impl Graph {
-    /// Returns the part that these nodes need.
-    pub(crate) fn part(&self, results: Vec<NodeId>) -> GraphPart {
-        let is_needed = self.needed_by(results.iter().copied());
-        let mut part = GraphPart { nodes: Vec::new(), places: vec![0; self.nodes.len()], results };
-        for (place, (node, is_needed)) in self.nodes.iter().zip(is_needed).enumerate() {
+/// Returns whether each node is needed for one of these results.
+pub(super) fn needed_by(
+    nodes: &[Node],
+    solves: &[Solve],
+    results: impl IntoIterator<Item = NodeId>,
+) -> Vec<bool> {
+    let mut is_needed = vec![false; nodes.len()];
+    results.into_iter().for_each(|node| is_needed[node as usize] = true);
+    for place in (0..nodes.len()).rev() {
+        if is_needed[place] {
+            let operands = nodes[place].operands(solves);
+            operands.into_iter().for_each(|operand| is_needed[operand as usize] = true);
+        }
+    }
+    is_needed
+}
+
+impl GraphPart {
+    /// Returns the part of a graph with these nodes and linear systems that the results need.
+    pub(super) fn of(nodes: &[Node], solves: &[Solve], results: Vec<NodeId>) -> Self {
+        let is_needed = needed_by(nodes, solves, results.iter().copied());
+        let mut part = GraphPart { nodes: Vec::new(), places: vec![0; nodes.len()], results };
+        for ((node, place), is_needed) in nodes.iter().zip(&mut part.places).zip(is_needed) {
             if is_needed {
-                part.places[place] = part.nodes.len() as NodeId;
+                *place = part.nodes.len() as NodeId;
                 part.nodes.push(*node);
             }
         }
         part
     }
-}
 
-impl GraphPart {
     /// Returns the results, as if the unknowns of linear systems were 0.
     pub(crate) fn values<T: Elementary>(
         &self,

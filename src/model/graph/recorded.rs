@@ -1,5 +1,6 @@
 //! The recorded equations of a system: a graph whose nodes each stand behind their operands.
 
+use super::part::needed_by;
 use super::recorder::Recording;
 use super::{
     ContactEquations, ContactLayout, Event, EventEquations, GapEquations, GraphPart, Node, NodeId,
@@ -54,17 +55,13 @@ impl Graph {
         self
     }
 
-    /// Returns whether each node is needed for one of these nodes.
-    pub(super) fn needed_by(&self, results: impl Iterator<Item = NodeId>) -> Vec<bool> {
-        let mut is_needed = vec![false; self.nodes.len()];
-        results.for_each(|node| is_needed[node as usize] = true);
-        for place in (0..self.nodes.len()).rev() {
-            if is_needed[place] {
-                let operands = self.nodes[place].operands(&self.solves);
-                operands.into_iter().for_each(|operand| is_needed[operand as usize] = true);
-            }
-        }
-        is_needed
+    /// Returns the part that these nodes need.
+    pub(crate) fn part(&self, results: Vec<NodeId>) -> GraphPart {
+        GraphPart::of(&self.nodes, &self.solves, results)
+    }
+
+    fn needed_by(&self, results: impl Iterator<Item = NodeId>) -> Vec<bool> {
+        needed_by(&self.nodes, &self.solves, results)
     }
 
     /// Returns the nodes that vary by themselves or depend on such nodes, operands first.

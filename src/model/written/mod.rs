@@ -1,15 +1,14 @@
 //! Mechanical systems that a file describes by formulas.
 //!
-//! Read [`formula`] and [`parser`] first, which turn texts into trees, and [`definition`], which has the content of a file.
-//! [`evaluate`] walks through a tree: [`numeric`] gives its value, [`dependence`] finds what it depends on, and
+//! Read [`formula`] and [`parser`] first, which turn texts into trees, and [`definition`], which has the content of a
+//! file. [`evaluate`] walks through a tree: [`numeric`] gives its value, [`dependence`] finds what it depends on, and
 //! [`dimensions`] finds its dimension. [`instance`] fixes the numbers of bodies. [`check`] and [`check_names`] refuse a
 //! definition that contradicts itself. [`velocities`] uses the [`linear`] forms of sliding speeds as components of the
 //! state.
 //!
-//! Then read [`system`], which records the equations, and [`measured`], which evaluates the outputs. [`in_state`] and
-//! [`uniqueness`] examine a system in one state. [`sizes`] gives the units of the motion, [`examined`] checks a system with
-//! values of its parameters, and [`small_motions`] has its equations of small motions. Read [`kind`] last: it unites all
-//! this.
+//! Then read [`system`], which records the equations, and [`measured`], which evaluates the outputs. [`in_state`]
+//! examines a system in one state. [`sizes`] gives the units of the motion, [`examined`] checks a system with values of
+//! its parameters, and [`small_motions`] has its equations of small motions. Read [`kind`] last: it unites all this.
 
 mod check;
 mod check_names;
@@ -28,11 +27,9 @@ mod measured;
 mod names;
 mod numeric;
 mod parser;
-mod scales;
 mod sizes;
 mod small_motions;
 mod system;
-mod uniqueness;
 mod velocities;
 
 pub use definition::{

@@ -1,12 +1,36 @@
-//! Formulas with numbers or with expressions of a record.
+//! Formulas with numbers or with expressions of a record, in units that are powers of two, so that conversion is exact.
 
 use std::f64::consts::PI;
 use std::ops::Div;
 
 use super::evaluate::FormulaValues;
-use super::formula::{Dimension, FormulaFault, FormulaFunction, Name, Valued};
-use super::scales::Scales;
+use super::formula::{Dimension, FormulaFault, FormulaFunction, Name, Valued, WHOLE};
 use crate::model::{Bounded, Elementary, Expression, Function, Number};
+
+/// The exponents of two of the units of mass, length and time, in SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct Scales(pub [i32; 3]);
+
+impl Scales {
+    /// Returns the units nearest to these sizes in SI units.
+    pub fn near(sizes: [f64; 3]) -> Scales {
+        let exponent = |size: f64| match size.is_finite() && size > 0.0 {
+            true => libm::round(libm::log2(size)).clamp(-200.0, 200.0) as i32,
+            false => 0,
+        };
+        Scales(sizes.map(exponent))
+    }
+
+    /// Returns the unit of a dimension in SI units.
+    pub fn unit(&self, dimension: Dimension) -> f64 {
+        let exponents = self.0.iter().zip(dimension);
+        let sum: i32 = exponents.map(|(unit, exponent)| unit * exponent).sum();
+        match sum % WHOLE {
+            0 => libm::ldexp(1.0, sum / WHOLE),
+            _ => libm::exp2(f64::from(sum) / f64::from(WHOLE)),
+        }
+    }
+}
 
 /// A number or an expression.
 pub(super) trait Scalar: Number + Div<Output = Self> {

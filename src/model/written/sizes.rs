@@ -7,8 +7,7 @@ use nalgebra::{DMatrix, Schur};
 use super::formula::{Valued, WHOLE};
 use super::in_state::smallest_pivot;
 use super::instance::Instance;
-use super::numeric::NamedValues;
-use super::scales::Scales;
+use super::numeric::{NamedValues, Scales};
 
 /// The sizes of a system with values of its parameters, in SI units.
 pub(super) struct Sizes {

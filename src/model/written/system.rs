@@ -8,8 +8,7 @@ use super::definition::WrittenNormal;
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::measured::MeasuredQuantities;
-use super::numeric::{NamedValues, Scalar};
-use super::scales::Scales;
+use super::numeric::{NamedValues, Scalar, Scales};
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{
     Components, ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
@@ -278,9 +277,10 @@ impl WrittenSystem {
     /// Returns whether no contact opens, and each has a sliding speed that is a velocity or a multiple of one; contacts with one
     /// velocity hold as one.
     pub fn does_not_open(&self) -> bool {
-        self.speeds.iter().enumerate().all(|(number, speed)| {
-            !self.instance.has_gap(number) && *speed != SpeedOf::Formula
-        })
+        self.speeds
+            .iter()
+            .enumerate()
+            .all(|(number, speed)| !self.instance.has_gap(number) && *speed != SpeedOf::Formula)
     }
 }
 

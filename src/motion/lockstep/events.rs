@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
+use super::gap_conditions;
 use super::kernel::{Kernel, StepEnd};
 use super::kernel_lanes::KernelLanes;
 use super::lane::Lane;
-use super::open_gaps;
 use crate::model::{Components, Method};
 use crate::motion::condition::Condition;
 use crate::motion::impact::Impact;
@@ -40,7 +40,7 @@ pub(super) fn first_event<S: Vector, K: Kernel<S>>(
         let mut first = g.kernel.first_event(&g.workspace, run, lane, length, &ignored);
         if g.gaps.lanes_to_examine & 1 << lane != 0 {
             let series = (g.simd, &g.kernel, &*g.workspace, &g.state);
-            open_gaps::first_closing(series, (lane, run), length, &mut first);
+            gap_conditions::first_closing(series, (lane, run), length, &mut first);
         }
         match first {
             StepEnd::Nothing => return Ok(None),
@@ -110,7 +110,7 @@ fn decide<S: Vector, K: Kernel<S>>(
         return Err(Failure::ContactLost { ball: contact + 1 });
     }
     let position = |contact: usize| state[kernel.coordinates(contact).0];
-    if run.has_openings || any_closed(phases) || open_gaps::any_touch(run, position) {
+    if run.has_openings || any_closed(phases) || gap_conditions::any_touch(run, position) {
         return with_evaluator(kernel, (lane, run), |evaluator| {
             if let Some(in_touch) = TouchingSystem::new(evaluator, run.settings) {
                 let failed = (contact < kernel.contacts()).then_some(contact);

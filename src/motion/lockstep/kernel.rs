@@ -7,7 +7,7 @@ use fearless_simd::mask64x8;
 use super::Lanes;
 use super::lane::Lane;
 use super::root_isolation::{Bounds, ConditionFate, Polynomial};
-use super::sizes::Powers;
+use super::vector::Powers;
 use crate::model::{Components, System};
 use crate::motion::Evaluator;
 use crate::motion::condition::Condition;

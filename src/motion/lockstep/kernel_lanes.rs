@@ -3,9 +3,9 @@
 use fearless_simd::prelude::*;
 use smallvec::SmallVec;
 
+use super::gap_conditions::OpenGaps;
 use super::kernel::Kernel;
 use super::lane::Lane;
-use super::open_gaps::OpenGaps;
 use super::{LANES, Lanes};
 use crate::motion::lockstep::vector::{Vector, vectorized};
 

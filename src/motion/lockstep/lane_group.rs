@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use fearless_simd::prelude::*;
 
+use super::advance::StepReport;
 use super::kernel::{Kernel, LONGEST};
 use super::kernel_lanes::{KernelLanes, propagate};
 use super::saved_run::SavedRun;
-use super::step_report::StepReport;
 use super::step_states::StepStates;
 use super::vector::Vector;
 use super::{LANES, Lanes, advance};

@@ -12,19 +12,20 @@
 //! correctly rounded (`+ - * /`, square root, fused multiply-add). A run is therefore the same bit
 //! for bit in any lane, beside any neighbours, and in vectors of any width.
 //!
-//! Read first `sizes` and `vector`, then the arithmetic of a step: `trigonometry`, `step_length`, `root_isolation` and
+//! Read first `vector`, then the arithmetic of a step: `trigonometry`, `step_length`, `root_isolation` and
 //! `lane_bounds`. `machine_code` and `run` run programs, and `simd_level` finds the instructions of the processor. `lane` is
-//! the scalar part of a run. `kernel` defines what a kernel computes; `pressure`, `held` and `open_gaps` are conditions that
+//! the scalar part of a run. `kernel` defines what a kernel computes; `held_until` and `gap_conditions` are conditions that
 //! both kernels share. Then read `tuned` and `general`. `saved_run` starts a run outside of a lane.
 //!
 //! `kernel_lanes` has the lanes with their runs. `events` decides the phases at the end of a step, `advance` takes the
-//! step in all lanes and makes a `step_report`, and `step_states` gives the motion inside the step. `lane_group` is the
+//! step in all lanes and reports it, and `step_states` gives the motion inside the step. `lane_group` is the
 //! interface of all this for callers, and `kernel_choice` makes the lanes for a system.
 
 mod advance;
 mod events;
+mod gap_conditions;
 mod general;
-mod held;
+mod held_until;
 mod kernel;
 mod kernel_choice;
 mod kernel_lanes;
@@ -34,24 +35,20 @@ mod lane_group;
 #[cfg(test)]
 mod leaving_the_ring;
 mod machine_code;
-mod open_gaps;
-mod pressure;
 mod root_isolation;
 mod run;
 mod saved_run;
 mod simd_level;
-mod sizes;
 mod step_length;
-mod step_report;
 mod step_states;
 mod trigonometry;
 mod tuned;
 mod vector;
 
+pub(crate) use advance::StepReport;
 pub(crate) use lane_group::LaneGroup;
 pub(super) use root_isolation::width;
 pub(crate) use saved_run::SavedRun;
 pub use simd_level::SimdLevel;
-pub(crate) use sizes::{LANES, Lanes};
-use sizes::{ORDER, TERMS};
-pub(crate) use step_report::StepReport;
+pub(crate) use vector::{LANES, Lanes};
+use vector::{ORDER, TERMS};

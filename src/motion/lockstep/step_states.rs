@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 use super::kernel::Kernel;
 use super::kernel_lanes::KernelLanes;
 use super::root_isolation::{PolynomialPoint, guess};
-use super::sizes::{Powers, TERMS};
+use super::vector::{Powers, TERMS};
 use crate::model::Components;
 use crate::motion::PerContact;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};

@@ -1,10 +1,24 @@
-//! Vector instructions with a fused multiply-add, and the widths of their registers.
+//! The vectors and power series of runs in lockstep: their sizes, vector instructions with a fused multiply-add, and the
+//! widths of registers.
 
 use std::sync::OnceLock;
 
-use fearless_simd::Simd;
+use fearless_simd::{Simd, f64x8};
 
-use super::sizes::{LANES, Lanes};
+/// Runs side by side.
+pub(crate) const LANES: usize = 8;
+
+/// One number of each run.
+pub(crate) type Lanes<S> = f64x8<S>;
+
+/// The highest power of time in the series of speeds.
+pub(super) const ORDER: usize = 16;
+
+/// Coefficients of the series of positions, whose highest power is one more.
+pub(super) const TERMS: usize = ORDER + 2;
+
+/// Coefficients of a power series in time.
+pub(crate) type Powers = [f64; TERMS];
 
 /// The widths of vector registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

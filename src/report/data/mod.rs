@@ -1,11 +1,11 @@
 //! The data of a report, read from the tables of a directory of results in bounded memory. If the study has stages, this
 //! module also computes the motion of a few runs again.
 //!
-//! Read `points` first: the values of a point. `runs`, `cycles`, `time_to_rest` and `drawn` read the other tables,
+//! Read `points` first: the values of a point. `runs`, `cycles`, `time_to_rest` and `drawn_values` read the other tables,
 //! `incomplete` has the points without all runs, and `motion` and `run_up` compute runs again. [`ReportData`] combines them.
 
 mod cycles;
-mod drawn;
+mod drawn_values;
 mod incomplete;
 mod motion;
 mod names;
@@ -19,10 +19,10 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 pub use cycles::{CycleFacts, QUANTITIES};
-pub use drawn::{DrawnRuns, DrawnValues};
+pub use drawn_values::{DrawnRuns, DrawnValues};
 pub use incomplete::IncompletePoints;
 pub use motion::SampledMotion;
-pub use names::{axis_of, heading, said};
+pub use names::{NamedPoints, axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
 pub use run_up::{PeakOfRun, SampledRun, SampledRunUps};
 pub use runs::{NotableRun, RunSample, scattered};
@@ -194,7 +194,7 @@ impl<'a> ReportData<'a> {
         let of: Vec<&PointFacts> = detailed.iter().filter_map(|&place| points.get(place)).collect();
         let (runs, notable) = runs::read(study, &tables.runs, &points, &of, budget.runs)?;
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
-        let drawn = drawn::read(study, &tables.runs, &of)?;
+        let drawn = drawn_values::read(study, &tables.runs, &of)?;
         let rest = time_to_rest::read(&tables.rest, &shown, budget.steps)?;
         let run_up = tables.run_up(study, &points)?;
         let cycles = cycles::read(&tables.cycles)?;

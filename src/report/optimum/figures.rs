@@ -1,13 +1,17 @@
-//! Figures of a search: objectives by design, and the Pareto front.
+//! Figures of a search: objectives by design and over each variable, the Pareto front, and the Sobol' indices.
 
-use super::data::OptimumData;
-use super::designs::{EvaluatedDesign, MET, NOT_MET, design_dots, evaluated, objective_axis};
-use super::indices::indices;
-use super::over_variables::over_variables;
+use super::data::{OptimumData, SensitivityFacts};
+use super::designs::{
+    EvaluatedDesign, Looks, MET, NOT_MET, design_dots, evaluated, objective_axis,
+};
 use super::parallel::parallel_coordinates;
 use crate::numbers::significant;
-use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis};
-use crate::study::Objective;
+use crate::report::chart::{
+    Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis, axis_of_names,
+};
+use crate::report::figures::{BARS, bars};
+use crate::study::{Objective, Variable};
+
 /// Returns all figures of a search, in reading order.
 pub fn of_search(data: &OptimumData) -> Vec<Figure> {
     [
@@ -153,5 +157,117 @@ fn front(data: &OptimumData) -> Option<Figure> {
             data.front.len()
         ),
         vec![Panel::new(x_axis, y_axis, layers)],
+    )
+}
+
+const LOOKS: Looks =
+    [(NOT_MET, Colour::Series(1), Symbol::Cross), (MET, Colour::Series(0), Symbol::Disc)];
+
+/// Plots a panel for each objective and variable, with a dot for each design of the search.
+fn over_variables(data: &OptimumData) -> Option<Figure> {
+    let designs = evaluated(data);
+    let mut panels = Vec::new();
+    for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
+        let (y, factor) = objective_axis(data, objective);
+        let value =
+            |design: &EvaluatedDesign<'_>| Some(factor * design.objectives.get(place).copied()??);
+        for (index, variable) in data.study.variables().iter().enumerate() {
+            let place = |design: &EvaluatedDesign<'_>| {
+                Some([design.number(index, variable)?, value(design)?])
+            };
+            let layers = design_dots(data, &designs, LOOKS, true, place);
+            if layers.is_empty() {
+                continue;
+            }
+            let title = match data.goal.objectives.len() {
+                1 => String::new(),
+                _ => y.name.clone(),
+            };
+            let part = variable.short_name().replace('_', " ");
+            panels.push(Panel {
+                title,
+                part,
+                ..Panel::new(variable_axis(variable), y.clone(), layers)
+            });
+        }
+    }
+    let variables = data.study.variables().len();
+    Figure::new(
+        "variables",
+        "Objective over each variable",
+        "Each dot is a design of the search. The other variables vary from dot to dot.",
+        format!("{} designs over {variables} variables.", designs.len()),
+        panels,
+    )
+}
+
+fn variable_axis(variable: &Variable) -> Axis {
+    let name = variable.short_name().replace('_', " ");
+    let axis = axis(&name, variable.shown_unit());
+    match variable.choices() {
+        None => axis,
+        Some(choices) => {
+            let names: Vec<String> = choices.map(|choice| choice.replace('_', " ")).collect();
+            axis_of_names(names, axis)
+        }
+    }
+}
+
+/// Plots the Sobol' indices of the variables as bars, one panel per response.
+fn indices(data: &OptimumData) -> Option<Figure> {
+    let mut responses: Vec<&str> = Vec::new();
+    for row in &data.sensitivities {
+        if !responses.contains(&row.response.as_str()) {
+            responses.push(&row.response);
+        }
+    }
+    let mut panels = Vec::new();
+    let mut sentences = Vec::new();
+    for response in responses {
+        let rows: Vec<&SensitivityFacts> =
+            data.sensitivities.iter().filter(|row| row.response == response).collect();
+        let names: Vec<String> =
+            rows.iter().map(|row| data.variable_in_words(&row.variable)).collect();
+        let parts = |[value, low, high]: [Option<f64>; 3]| {
+            Some([value?, low.unwrap_or(f64::NAN), high.unwrap_or(f64::NAN)])
+        };
+        let first = rows.iter().map(|row| parts(row.first_order));
+        let mut layers = bars("first order", Colour::Series(0), -BARS[0], first);
+        let total = rows.iter().map(|row| parts(row.total));
+        layers.extend(bars("total", Colour::Series(1), BARS[0], total));
+        if layers.is_empty() {
+            continue;
+        }
+        let known = rows.iter().filter_map(|row| Some((row, row.total[0]?)));
+        if let Some((row, value)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+            sentences.push(format!(
+                "{response}: {} has the largest total index, {value:.2}",
+                data.variable_in_words(&row.variable)
+            ));
+        }
+        let x = axis_of_names(names, axis("", ""));
+        // The axis has all bars and intervals from 0.
+        let indices = rows.iter().flat_map(|row| [row.first_order, row.total]);
+        let ends = indices.flatten().flatten().filter(|end| end.is_finite());
+        let range =
+            ends.fold([0.0, 1.0], |[low, high]: [f64; 2], end| [low.min(end), high.max(end)]);
+        let y = Axis { range: Some(range), ..axis("part of the variance", "") };
+        panels.push(Panel { part: response.to_owned(), ..Panel::new(x, y, layers) });
+    }
+    let surrogates = data.sensitivities.iter().any(|row| row.source == "surrogates");
+    Figure::new(
+        "sobol-indices",
+        "Sobol' indices",
+        format!(
+            "The part of the variance of a response, over all values of ranges and choices, that a variable explains \
+             alone (first order) and together with all its interactions (total).{}",
+            if surrogates {
+                " The indices are those of the surrogate models, whose errors are unknown: they have no intervals."
+            } else {
+                " Lines: 95 % intervals."
+            }
+        ),
+        format!("{}.", sentences.join("; ")),
+        panels,
     )
 }

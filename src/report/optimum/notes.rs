@@ -3,9 +3,8 @@
 use serde_json::Value;
 
 use super::data::OptimumData;
-use crate::analysis::Estimate;
-use crate::analysis::Measure;
-use crate::counted::counted;
+use crate::analysis::{Estimate, Measure};
+use crate::numbers::counted;
 use crate::optimize::{bounds_in_words, use_of_balls};
 use crate::study::{AmplitudeKind, DesignValue, Variable};
 

@@ -6,20 +6,13 @@
 //! The other files are helpers of these; read them where they are imported.
 
 pub mod balls;
-mod column_units;
-pub mod contact_file;
 pub(in crate::study) mod decode;
-pub mod distribution_file;
 pub(in crate::study) mod friction_file;
-pub mod identify_file;
 pub(in crate::study) mod key_path;
 pub(in crate::study) mod key_units;
 pub(in crate::study) mod kind_parameters;
-mod notations;
-pub mod optimize_file;
 pub(in crate::study) mod parameters_file;
 mod parameters_schema;
-pub mod protocol_file;
 pub(in crate::study) mod quantity;
 pub(in crate::study) mod ranges;
 pub(in crate::study) mod read_file;
@@ -28,14 +21,14 @@ pub(in crate::study) mod schema_parts;
 pub(in crate::study) mod schema_place;
 pub(in crate::study) mod schema_rules;
 pub(in crate::study) mod schema_units;
+pub mod searches_file;
 pub(in crate::study) mod source;
 pub mod stages_file;
 pub mod study_file;
-pub(in crate::study) mod study_names;
 pub(in crate::study) mod system_file;
 pub(in crate::study) mod table_folders;
 pub(in crate::study) mod table_input;
-pub mod uncertain_sampling_file;
+pub mod uncertain_file;
 pub(in crate::study) mod unit_keys;
 pub mod values;
 pub(in crate::study) mod yaml_fault;

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::notations::notations;
+use super::values::notations;
 use super::yaml_tree::describe_number;
 
 /// A mechanical system: `M q'' = force + contacts`.

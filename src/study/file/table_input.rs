@@ -1,10 +1,12 @@
-//! Reads the tables of a study, inline or from files, and locates each value for error messages.
+//! Reads the tables of a study, inline or from files, converts columns with a unit in brackets to SI units, and locates
+//! each value for error messages.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use crate::study::error::{Fault, Location, StudyError, shorten};
-use crate::study::file::column_units::KnownColumn;
+use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
+use crate::study::file::key_units::split_unit;
+use crate::study::file::quantity::Conversion;
 use crate::study::file::source::SourcePath;
 use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
 use crate::study::file::values::{Entry, InlineTable, TableKey};
@@ -255,4 +257,45 @@ fn converted(known: Vec<KnownColumn>, rows: &mut [Vec<Entry>]) -> Vec<String> {
 /// Returns the fault of a number that is not finite.
 pub(crate) fn not_finite(written: String) -> Fault {
     Fault::new("not a finite number", written, "a finite number")
+}
+
+/// A column as the program knows it, such as `speed_rad_s` for `speed [rpm]`, and how its numbers become SI numbers.
+struct KnownColumn {
+    name: String,
+    conversion: Option<Conversion>,
+}
+
+impl KnownColumn {
+    /// Returns the column that a table calls by this name; `allowed` contains the SI names.
+    fn of(written: &str, allowed: &[String]) -> Result<KnownColumn, Fault> {
+        let plain = |name: &String| KnownColumn { name: name.clone(), conversion: None };
+        if let Some(name) = allowed.iter().find(|name| *name == written) {
+            return Ok(plain(name));
+        }
+        let unknown =
+            || Fault::new("unknown column", shorten(written), list_names(written, allowed));
+        let with_unit = written.trim().strip_suffix(']').and_then(|text| text.split_once('['));
+        let (short, unit) = with_unit.ok_or_else(unknown)?;
+        let (short, unit) = (short.trim(), unit.trim());
+        let known = allowed.iter().find_map(|name| {
+            let (without, si) = split_unit(name)?;
+            (name == short || without == short).then_some((name, si))
+        });
+        let (name, si) = known.ok_or_else(unknown)?;
+        let conversion = Conversion::new(unit, si).map_err(|fault| Fault {
+            found: Some(format!("column {}", shorten(written))),
+            ..fault
+        })?;
+        Ok(KnownColumn { name: name.clone(), conversion: Some(conversion) })
+    }
+
+    /// Converts the numbers of this column in all rows.
+    fn convert(&self, rows: &mut [Vec<Entry>], column: usize) {
+        let Some(conversion) = &self.conversion else { return };
+        for row in rows {
+            if let Some(Entry::Number(number)) = row.get_mut(column) {
+                *number = conversion.of(*number);
+            }
+        }
+    }
 }

@@ -9,8 +9,7 @@ use crate::model::OutputValue;
 use crate::study::file::schema_parts as schema;
 use crate::study::file::values::NumberOrLength;
 use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::shown_numbers::six_digits;
-use crate::study::plan::units::{ShownUnits, Unit};
+use crate::study::plan::units::{ShownUnits, Unit, six_digits};
 
 /// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`), the peak amplitudes
 /// (`peak_amplitude_m`) or the times to rest of its runs.

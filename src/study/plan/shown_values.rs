@@ -3,7 +3,7 @@
 
 use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
 use crate::study::plan::planned_runs::Plan;
-use crate::study::plan::shown_numbers::{DIGITS, fewest_digits, shown};
+use crate::study::plan::units::{DIGITS, fewest_digits, shown};
 
 impl Plan {
     /// Returns the values of the swept parameters of a point as text for terminals and figures, in the units that the study

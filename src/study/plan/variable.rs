@@ -8,8 +8,7 @@ use crate::study::error::{Fault, list_names, shorten};
 use crate::study::file::schema_parts as schema;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::Parameter;
-use crate::study::plan::shown_numbers::six_digits;
-use crate::study::plan::units::{Unit, short_name};
+use crate::study::plan::units::{Unit, short_name, six_digits};
 
 /// A variable of a design: either `from` and `to`, or `choices`.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]

@@ -3,15 +3,15 @@
 use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::identify_file::{
+use crate::study::file::searches_file::{
     IdentifyFile, MOST_DESIGNS, MOST_PARAMETERS, PriorFile, PriorSpacing,
 };
 use crate::study::file::source::Source;
 use crate::study::file::values::Count;
 use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::identification::Identification;
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::Response;
+use crate::study::plan::searches::Identification;
 use crate::study::plan::variable::VariableFile;
 use crate::study::resolve::variables::resolve_variables;
 

@@ -3,10 +3,9 @@
 //! Read first `whole_study`, which calls `planned_runs` (model, sweep, start states, draws) and then the files of the other
 //! keys. `system` reads system files.
 
-pub(in crate::study) mod contact;
+pub(in crate::study) mod contact_laws;
 pub(in crate::study) mod determined;
 pub(in crate::study) mod expectations;
-pub(in crate::study) mod friction;
 pub(in crate::study) mod further_errors;
 pub(in crate::study) mod identification;
 pub(in crate::study) mod model;
@@ -19,7 +18,6 @@ pub(in crate::study) mod protocol;
 pub(in crate::study) mod responses;
 pub(in crate::study) mod runs;
 pub(in crate::study) mod sampling;
-pub(in crate::study) mod simulation;
 pub(in crate::study) mod stages;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod system;

@@ -13,8 +13,10 @@ use crate::study::file::yaml_tree::{Content, describe_number};
 use crate::study::kinds::model_kind;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
-use crate::study::resolve::contact::{check_contact, contact_to_file, resolve_contact};
-use crate::study::resolve::friction::{check_friction, friction_to_file, resolve_friction};
+use crate::study::resolve::contact_laws::{
+    check_contact, check_friction, contact_to_file, friction_to_file, resolve_contact,
+    resolve_friction,
+};
 use crate::study::resolve::protocol::stages_of;
 use crate::study::resolve::stages::{
     check_stages, kicks_to_file, profile_to_file, resolve_kicks, resolve_profile,

@@ -4,16 +4,16 @@ use indexmap::IndexMap;
 
 use crate::analysis::Measure;
 use crate::study::error::{Fault, StudyError, list_names};
-use crate::study::file::optimize_file::{
+use crate::study::file::searches_file::{
     LimitFile, MAX_DESIGNS, OptimizeFile, ResponseNames, SensitivityFile, SensitivityFrom,
 };
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::values::{Count, Entry};
 use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::designs::Designs;
-use crate::study::plan::optimization::{Limit, Objective, Optimization};
 use crate::study::plan::planned_runs::Plan;
+use crate::study::plan::planned_study::Designs;
 use crate::study::plan::response::Response;
+use crate::study::plan::searches::{Limit, Objective, Optimization};
 use crate::study::plan::variable::DesignValue;
 
 /// The largest number of variables. There are 256 Sobol' dimensions, and the Sobol' indices need

@@ -1,13 +1,18 @@
 //! Resolution of the plan of a study: model, sweep, start states, uncertain parameters, and the numbers of its runs.
 
+use std::sync::{Arc, OnceLock};
+
+use indexmap::IndexMap;
+
+use crate::model::Simulation;
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::resolved_yaml::ResolvedFile;
 use crate::study::file::source::Source;
 use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
-use crate::study::file::table_folders::MAX_VALUES;
-use crate::study::file::table_folders::TableFolders;
+use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
+use crate::study::file::uncertain_file::DistributionFile;
 use crate::study::file::values::Range;
+use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, VariedParameter};
 use crate::study::plan::planned_runs::Plan;
@@ -18,15 +23,12 @@ use crate::study::resolve::numbers_of_balls::{base_of_all_points, model_of_commo
 use crate::study::resolve::points::check_points;
 use crate::study::resolve::runs::{PointSettings, number_runs};
 use crate::study::resolve::sampling::{ResolvedDesign, resolve_design};
-use crate::study::resolve::simulation::resolve_simulation;
 use crate::study::resolve::stages::check_kicks;
 use crate::study::resolve::sweep::{ResolvedBlock, resolve_block};
 use crate::study::resolve::uncertain::resolve_uncertain;
 use crate::study::resolve::uncertain_sampling::UncertainSampling;
 use crate::study::resolve::units::{resolve_units, units_to_file};
 use crate::study::sampling::initial_box::InitialBox;
-use indexmap::IndexMap;
-use std::sync::{Arc, OnceLock};
 
 /// Validates the parts of a study that determine its runs. `outline` contains the keys of the source.
 pub(in crate::study) fn resolve_plan(
@@ -221,4 +223,39 @@ fn uncertain_to_file(
         .filter_map(|column| Some((column.name.clone(), written.get(&column.name)?.clone())))
         .collect();
     (!entries.is_empty()).then_some(entries)
+}
+
+/// Returns the simulation settings of a study; `ends_s` is the end of the speed profile, if the profile has one.
+///
+/// # Errors
+/// Returns an error if the end time is not that of the speed profile, or if the extension gives no later end time.
+fn resolve_simulation(
+    source: &Source,
+    written: Option<Simulation>,
+    ends_s: Option<f64>,
+) -> Result<Simulation, StudyError> {
+    let mut simulation = written.unwrap_or_default();
+    let path = source.path("simulation.end_time_s");
+    if let Some(ends_s) = ends_s {
+        let end_time_s = std::mem::replace(&mut simulation.end_time_s, ends_s);
+        if path.node().is_some() && end_time_s != ends_s {
+            let allowed = format!(
+                "{}, no such key, or no `hold_s` at the end of the speed profile",
+                describe_number(ends_s)
+            );
+            let found = describe_number(end_time_s);
+            let fault = Fault::new("not the end of the speed profile", found, allowed);
+            return Err(path.refuse_value(fault));
+        }
+    }
+    let [end_s, later_s] = simulation.end_times_s();
+    // Rounding may lose a factor slightly above 1, and a long end time may overflow.
+    match simulation.extend {
+        Some(extend) if !(later_s > end_s && later_s.is_finite()) => {
+            let allowed = "a factor whose later end time is a larger, finite number";
+            let fault = Fault::new("no later end time", describe_number(extend.factor), allowed);
+            Err(source.path("simulation.extend.factor").refuse_value(fault))
+        }
+        _ => Ok(simulation),
+    }
 }

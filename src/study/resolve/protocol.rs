@@ -1,12 +1,10 @@
 //! Resolution of a measurement protocol (thesis figure 5.10) to the speed profile and the kicks that it is short for.
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::protocol_file::{
-    HammerFile, ProtocolFile, ProtocolKeys, ProtocolName, StartupFile,
-};
 use crate::study::file::source::Source;
 use crate::study::file::stages_file::{
-    DirectionFile, DisturbanceFile, KickFile, ProfilePartFile, RampFile,
+    DirectionFile, DisturbanceFile, HammerFile, KickFile, ProfilePartFile, ProtocolFile,
+    ProtocolKeys, ProtocolName, RampFile, StartupFile,
 };
 use crate::study::file::study_file::ModelFile;
 use crate::study::file::yaml_tree::describe_number;

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use indexmap::IndexMap;
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::distribution_file::DistributionFile;
 use crate::study::file::source::Source;
+use crate::study::file::uncertain_file::DistributionFile;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};

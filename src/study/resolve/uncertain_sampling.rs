@@ -3,7 +3,7 @@
 use crate::study::error::{Fault, StudyError, list_names};
 use crate::study::file::key_units::split_unit;
 use crate::study::file::source::{Source, SourcePath};
-use crate::study::file::uncertain_sampling_file::{
+use crate::study::file::uncertain_file::{
     CorrelationFile, UncertainDesignKind, UncertainSamplingFile,
 };
 use crate::study::file::yaml_tree::describe_number;

@@ -6,7 +6,7 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::study::error::Fault;
-use crate::study::file::distribution_file::DistributionFile;
+use crate::study::file::uncertain_file::DistributionFile;
 use crate::study::file::yaml_tree::describe_number;
 
 /// A validated distribution.

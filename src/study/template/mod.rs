@@ -10,12 +10,11 @@ use std::path::Path;
 
 use crate::sanitize::shell_word;
 use crate::study::StudyError;
-use crate::study::defaults::defaults_of;
 use crate::study::file::resolved_yaml::write_text;
 use crate::study::file::source::Source;
 use crate::study::plan::planned_study::Study;
 use crate::study::resolve::names::check_study_name;
-use crate::study::schema::json_schema;
+use crate::study::schema::{defaults_of, json_schema};
 
 /// A commented study to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The conditions of the phases ([`crate::motion::condition`]) as power series over a step.
 //!
 //! The guard of an event is a condition, too, and so is the pressure in a closed gap. Contacts that stick and touch are held
-//! together ([`crate::motion::lockstep::held`]).
+//! together ([`crate::motion::lockstep::held_until`]).
 //!
 //! For all lanes it is first shown which conditions certainly hold ([`super::series::Screen`]); the remaining lanes are examined
 //! one at a time.
@@ -13,10 +13,10 @@ use crate::motion::Phase;
 use crate::motion::cluster::HeldCluster;
 use crate::motion::condition::{Condition, Margins};
 use crate::motion::lockstep::ORDER;
-use crate::motion::lockstep::held::held_until;
+use crate::motion::lockstep::gap_conditions::Pressure;
+use crate::motion::lockstep::held_until::held_until;
 use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
-use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
 use crate::motion::lockstep::vector::Vector;
 

@@ -18,12 +18,11 @@ use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::condition::Condition;
 use crate::motion::evaluator::Evaluator;
 use crate::motion::force_model::ForceModel;
+use crate::motion::lockstep::gap_conditions::Pressure;
 use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
 use crate::motion::lockstep::lane::Lane;
-use crate::motion::lockstep::pressure::Pressure;
-use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::step_length::{longest_step, reciprocal};
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Powers, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER, TERMS};
 use crate::motion::touching_system::TouchingSystem;
 

@@ -3,10 +3,10 @@
 //! Modes of contacts and parameters are inputs of the expressions, so that lanes with other parameters in other modes
 //! share the operations.
 //!
-//! Read first `statics` and `operations`, the list of what is computed, then `schedule`, `turning` and `compiler`, which
-//! find this list. `lu_factors`, `radius` and `series` make programs of it, and `compiled` keeps the programs.
-//! `workspace` has the numbers that they compute in a step, `conditions` locates events in them, and `program_forces`
-//! decides stick and slip. `kernel` puts all of them together.
+//! Read first `statics` and `operations`, the list of what is computed, then `turning` and `compiler`, which find this
+//! list. `lu_factors`, `radius` and `series` make programs of it, and `compiled` keeps the programs. `workspace` has
+//! the numbers that they compute in a step, `conditions` locates events in them, and `program_forces` decides stick and
+//! slip. `kernel` puts all of them together.
 
 mod compiled;
 mod compiler;
@@ -16,7 +16,6 @@ mod lu_factors;
 mod operations;
 mod program_forces;
 mod radius;
-mod schedule;
 mod series;
 mod statics;
 mod turning;

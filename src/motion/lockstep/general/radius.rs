@@ -1,8 +1,7 @@
 //! How far normal forces move away from their values at the start of a step, bounded from the series of the motion. Where
 //! the bound is enough, the series of the normal forces are not needed.
 
-use super::operations::{Operation, Operations, Slot};
-use super::schedule::reads_and_writes;
+use super::operations::{Operation, Operations, Slot, reads_and_writes};
 use super::statics::StaticId;
 
 /// How the change of an expression is bounded.

@@ -8,7 +8,7 @@ use super::terms::DYING;
 use crate::model::Balancer;
 use crate::motion::Phase;
 use crate::motion::condition::Condition;
-use crate::motion::lockstep::held::held_until;
+use crate::motion::lockstep::held_until::held_until;
 use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::Polynomial;

@@ -10,8 +10,8 @@ use super::equations::Equations;
 use super::terms::Solver;
 use crate::model::{self, pushes};
 use crate::motion::cluster::{HeldCluster, held_clusters};
+use crate::motion::lockstep::gap_conditions::Pressure;
 use crate::motion::lockstep::lane::Lane;
-use crate::motion::lockstep::pressure::Pressure;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};
 

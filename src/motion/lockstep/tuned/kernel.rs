@@ -14,15 +14,13 @@ use super::rest_ahead::RestAhead;
 use super::series::BalancerSeries;
 use super::{event_functions, event_location, step, tangent};
 use crate::model::{Balancer, Components, State, System};
-use crate::motion::Evaluator;
 use crate::motion::condition::Condition;
 use crate::motion::force_model::{ForceModel, RecordedForces};
 use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
 use crate::motion::lockstep::lane::Lane;
-use crate::motion::lockstep::sizes::Powers;
-use crate::motion::lockstep::vector::{Fused, Vector};
+use crate::motion::lockstep::vector::{Fused, Powers, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER};
-use crate::motion::{Phase, any_closed};
+use crate::motion::{Evaluator, Phase, any_closed};
 
 /// The balancer's equations in all lanes.
 pub(in crate::motion::lockstep) struct TunedKernel<S: Vector, const N: usize> {

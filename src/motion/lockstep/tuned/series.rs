@@ -29,9 +29,8 @@ use super::gap_forces::{GapForceEffect, GapForceEquations, OfEach};
 use super::lane_states::BalancerLaneStates;
 use super::recurrence::{Constants, ProductSums, RECIPROCALS, Solving, products, solve};
 use super::terms::{PowerCoefficients, ResidualForce, Solver};
-use crate::motion::lockstep::sizes::Powers;
 use crate::motion::lockstep::trigonometry::sin_cos;
-use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
+use crate::motion::lockstep::vector::{Fused, Powers, Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER, TERMS};
 
 /// The sums of the powers above those of the series, over the first of them.

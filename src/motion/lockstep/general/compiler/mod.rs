@@ -7,8 +7,9 @@ mod unknowns;
 
 use std::collections::HashMap;
 
-use super::operations::{Operation, Operations, RowProducts, SIDE_BY_SIDE, Slot, TurningAngle};
-use super::schedule::{reads_and_writes, sorted};
+use super::operations::{
+    Operation, Operations, RowProducts, SIDE_BY_SIDE, Slot, TurningAngle, reads_and_writes, sorted,
+};
 use super::statics::{Static, StaticId, Statics};
 use super::turning::TurningNodes;
 use crate::model::{Function, Graph, Node, NodeId};

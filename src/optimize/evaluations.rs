@@ -1,4 +1,4 @@
-//! `evaluations.parquet`: writes and reads the designs of a search with their responses.
+//! The evaluated designs of a search, and `evaluations.parquet`, which holds them with their responses.
 //!
 //! A search continues from this table: all its further steps are a function of the table and of the study.
 
@@ -6,15 +6,46 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::evaluation::{DesignOrigin, Evaluation};
 use crate::analysis::LabelCounts;
 use crate::classification::Label;
 use crate::engine::CommandError;
+use crate::named::named;
 use crate::responses::Answer;
 use crate::responses::columns::answer_columns;
-use crate::study::{Study, changed_keys};
+use crate::study::{DesignValue, Study, changed_keys};
 use crate::table::column::{Column, Columns};
 use crate::table::{Row, Table};
+
+/// Why a design was evaluated.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum DesignOrigin {
+    /// The design that the best one is compared with.
+    CompareWith,
+    /// A space-filling design over all ranges and choices.
+    SpaceFilling,
+    /// A design that the surrogates proposed.
+    Surrogates,
+    /// The next space-filling design, because the surrogates proposed none or a repeated one.
+    SpaceFillingInstead,
+}
+
+named!(DesignOrigin {
+    CompareWith: "compare_with",
+    SpaceFilling: "spread",
+    Surrogates: "surrogates",
+    SpaceFillingInstead: "spread_instead",
+});
+
+/// A design with its responses at every point of the sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Why the design was evaluated.
+    pub origin: DesignOrigin,
+    /// One value per variable of the study.
+    pub values: Vec<DesignValue>,
+    /// One answer per point.
+    pub answers: Vec<Answer>,
+}
 
 /// Returns the columns of `evaluations.parquet`: one row per design and point of the sweep.
 pub fn evaluation_columns(study: &Study) -> Vec<Column<(DesignOrigin, Answer)>> {

@@ -1,13 +1,14 @@
-//! Closed forms of a machine: natural frequency, balancing capacity, equilibrium set, balancing position.
+//! What the parameters of a model say without simulation: closed forms of a ball balancer, and facts of any other system.
 
 use serde::{Serialize, Serializer};
 
+use super::SteadyStates;
 use crate::analysis::{
     Balance, EquilibriumSet, HIGH_DRAG, Resolution, RestForm, SmallMotions, Stability,
     reference_amplitude,
 };
 use crate::check::BallPositions;
-use crate::model::Machine;
+use crate::model::{CampbellDiagram, DerivedQuantity, Machine, Model, NaturalFrequencies};
 
 /// What the closed forms say about a ball balancer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -126,4 +127,40 @@ impl RestFacts {
             overlapping_fraction: positions.overlapping_fraction(machine),
         })
     }
+}
+
+/// The facts of a system of one's own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct OwnFacts {
+    /// The natural frequencies.
+    pub natural_frequencies: NaturalFrequencies,
+    /// The speeds of the part that turns that equal a natural frequency, rad/s.
+    pub critical_speeds_rad_s: Vec<f64>,
+    /// The quantities that follow from the parameters alone.
+    #[serde(serialize_with = "quantities_by_name")]
+    pub derived: Vec<DerivedQuantity>,
+    /// The steady states, if they are sought.
+    pub steady_states: Option<SteadyStates>,
+}
+
+impl OwnFacts {
+    /// Computes the facts of a model with these ranges of start states; `None` for a ball balancer.
+    pub fn of(model: &Model, ranges: &[[f64; 2]]) -> Option<Self> {
+        let Model::Own(own_model) = model else { return None };
+        Some(OwnFacts {
+            natural_frequencies: model.natural_frequencies(),
+            critical_speeds_rad_s: CampbellDiagram::of(model)
+                .map_or_else(Vec::new, |diagram| diagram.critical_rad_s),
+            derived: own_model.derived(),
+            steady_states: SteadyStates::of(model, ranges),
+        })
+    }
+}
+
+/// Writes values by name; a value that is not finite is null.
+fn quantities_by_name<S: Serializer>(
+    all: &[DerivedQuantity],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(all.iter().map(|quantity| (&quantity.name.name, quantity.value)))
 }

@@ -1,14 +1,59 @@
-//! Reads tables of measured runs: where balls were seen to rest, or that they were seen to move.
+//! Reads tables of designs and of measured runs, in which balls were seen to rest or to move.
 
 use std::f64::consts::TAU;
+use std::path::Path;
+
+use arrow_array::RecordBatchReader;
 
 use super::error::{Fault, StudyError};
-use super::file::table_input::Rows;
+use super::file::read_file::read_bytes;
+use super::file::table_input::{Rows, cells_in_memory};
 use super::file::values::Entry;
 use super::file::yaml_tree::describe_number;
 use super::plan::parameter::{ParameterKind, ParameterValue};
 use super::plan::planned_runs::Plan;
-use super::table_source::TableSource;
+use super::plan::planned_study::Study;
+use super::plan::variable::DesignValue;
+use crate::tabular::{Cells, Limits, Refusal, check_name};
+
+/// A table that a study reads. Messages call a table that is no file by its name here.
+pub enum TableSource<'a> {
+    /// A CSV or Parquet file.
+    File(&'a Path),
+    /// The name and an Arrow table.
+    Arrow(&'a str, Box<dyn RecordBatchReader + 'a>),
+    /// The name, the columns, and rows with one value per column, `None` if it is missing.
+    Rows(&'a str, Vec<String>, Vec<Vec<Option<Entry>>>),
+}
+
+impl<'a, P: AsRef<Path> + ?Sized> From<&'a P> for TableSource<'a> {
+    fn from(path: &'a P) -> Self {
+        TableSource::File(path.as_ref())
+    }
+}
+
+/// Reads the cells of a table within limits.
+type Read<'a> = Box<dyn FnOnce(&Limits<'_>) -> Result<Cells, Refusal> + 'a>;
+
+impl<'a> TableSource<'a> {
+    /// Opens the table under its name in messages. `allowed` says in words which files can be read.
+    fn open(self, allowed: &str) -> Result<(&'a Path, Read<'a>), StudyError> {
+        Ok(match self {
+            TableSource::File(path) => {
+                let refuse = |fault| StudyError::about_file(path, fault);
+                check_name(path, allowed).map_err(refuse)?;
+                let bytes = read_bytes(path).map_err(refuse)?;
+                (path, Box::new(move |limits| Cells::read(path, bytes, limits)))
+            }
+            TableSource::Arrow(name, reader) => {
+                (name.as_ref(), Box::new(move |limits| Cells::of_arrow(reader, limits)))
+            }
+            TableSource::Rows(name, columns, rows) => {
+                (name.as_ref(), Box::new(move |limits| cells_in_memory(columns, rows, limits)))
+            }
+        })
+    }
+}
 
 /// Swept values of the table and of the study agree if they differ by at most this part.
 const AGREEMENT: f64 = 1e-4;
@@ -182,5 +227,49 @@ impl Plan {
                 Err(rows.refuse(Some(row), None, Fault::new(problem, found, allowed)))
             }
         }
+    }
+}
+
+impl Study {
+    /// Reads the designs in a table: a file, also `-` for standard input, an Arrow table, or rows. Each design is valid at
+    /// every point of the study.
+    ///
+    /// # Errors
+    /// Returns the first fault with its row and column: an unreadable file, a column that is unknown, missing or given
+    /// twice, a value outside its variable's range, or a design that is invalid at a point.
+    pub fn designs<'a>(
+        &self,
+        table: impl Into<TableSource<'a>>,
+    ) -> Result<Vec<Vec<DesignValue>>, StudyError> {
+        let allowed = "a name that ends in .csv or .parquet, or - for standard input";
+        let (name, read) = table.into().open(allowed)?;
+        let names: Vec<String> =
+            self.variables().iter().map(|variable| variable.name.clone()).collect();
+        let rows = Rows::in_file(name, read, &names, None)?;
+        let missing = names.iter().find(|name| !rows.columns.contains(name));
+        if let Some(name) = missing {
+            let found = rows.column_names();
+            let problem = format!("no column {name}");
+            let allowed = format!("a column for each variable: {}", names.join(", "));
+            return Err(rows.refuse(None, None, Fault::new(problem, found, allowed)));
+        }
+        (0..rows.rows.len()).map(|row| self.design_of(&rows, row)).collect()
+    }
+
+    fn design_of(&self, rows: &Rows<'_>, row: usize) -> Result<Vec<DesignValue>, StudyError> {
+        let mut values = Vec::with_capacity(self.variables().len());
+        for variable in self.variables() {
+            let column = rows.column(&variable.name);
+            // The caller has checked that each variable has a column.
+            let entry = column.and_then(|column| rows.rows[row].get(column));
+            let value = match entry {
+                Some(Entry::Number(number)) => variable.number(*number),
+                Some(Entry::Text(word)) => variable.word(word),
+                None => Err(Fault::new("an empty value", "nothing", variable.allowed())),
+            };
+            values.push(value.map_err(|fault| rows.refuse(Some(row), column, fault))?);
+        }
+        self.with_design(&values).map_err(|fault| rows.refuse(Some(row), None, fault))?;
+        Ok(values)
     }
 }
