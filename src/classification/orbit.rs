@@ -15,7 +15,7 @@
 //! A ball that revolves without stopping marks the section. If there is no such ball, a ball that stops or turns back on its way
 //! marks the section. The other balls may run, rest, or stick and slip.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::sync::Arc;
 
 use super::closed_orbit::{Orbit, PassageState, Verdict, examine};
@@ -27,7 +27,7 @@ use super::section::{RESOLVED, Section, SectionMark, marks, next_period};
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::system_view::SystemView;
 use crate::model::Components;
-use crate::motion::{Motion, Phase, Settings, Tolerance};
+use crate::motion::{Phase, Settings, Tolerance};
 
 /// The orbit of a run is examined at its end only if its end time is at least this many times the time of a return.
 const LEAST_RETURNS: f64 = 14.0;
@@ -213,8 +213,8 @@ impl OrbitWatch {
         // The displacement of every contact counts: none rests throughout.
         let none_rests = vec![f64::INFINITY; self.view.contacts.len()];
         let section = passages.section(&self.view, 1, &none_rests)?;
-        let (left, latest) = (Cell::new(MOST_STEPS_OF_A_LOOK), RefCell::new(None));
-        let map = return_map(passages, (&self.view, &section), settings, 1, (&left, &latest))?;
+        let left = Cell::new(MOST_STEPS_OF_A_LOOK);
+        let map = return_map(passages, (&self.view, &section), settings, 1, &left)?;
         creep(map, &passed(passages))
     }
 
@@ -316,9 +316,8 @@ fn examine_orbit(
     (most_steps, only_stable): (u64, bool),
 ) -> Verdict {
     let Some(section) = passages.section(view, turns, last_switches) else { return Verdict::Open };
-    let (left, latest) = (Cell::new(most_steps), RefCell::new(None));
-    let used = (&left, &latest);
-    let Some(map) = return_map(passages, (view, &section), settings, turns, used) else {
+    let left = Cell::new(most_steps);
+    let Some(map) = return_map(passages, (view, &section), settings, turns, &left) else {
         return Verdict::Open;
     };
     let map = ReturnMap { only_stable, ..map };
@@ -330,20 +329,19 @@ fn passed(passages: &Passages) -> Vec<PassageState<'_>> {
     passages.backwards().map(|passage| (&passage.phases, &passage.state)).collect()
 }
 
-/// Returns the map from one passage of a section to that some turns later, with finer tolerances than those of the run. It uses
-/// these steps and this motion.
+/// Returns the map from one passage of a section to that some turns later, with finer tolerances than those of the run. It
+/// takes its steps from `steps_left`.
 fn return_map<'a>(
     passages: &Passages,
     (view, section): (&'a SystemView, &'a Section),
     settings: &Settings,
     turns: usize,
-    (steps_left, latest): (&'a Cell<u64>, &'a RefCell<Option<Motion>>),
+    steps_left: &'a Cell<u64>,
 ) -> Option<ReturnMap<'a>> {
     let time = |turns: usize| Some(passages.before(turns)?.time);
     Some(ReturnMap {
         view,
         steps_left,
-        latest,
         only_stable: false,
         settings: Settings {
             tolerance: Tolerance {

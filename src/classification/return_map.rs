@@ -4,7 +4,7 @@
 //! The derivative is the linearised flow, corrected at each switch by the saltation matrix, and
 //! projected on the section.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 
 use nalgebra::DMatrix;
 
@@ -32,8 +32,6 @@ pub(super) struct ReturnMap<'a> {
     pub(super) only_stable: bool,
     /// Remaining number of steps, shared by all uses of this map.
     pub(super) steps_left: &'a Cell<u64>,
-    /// The latest motion, whose lanes the next one uses.
-    pub(super) latest: &'a RefCell<Option<Motion>>,
 }
 
 /// Returns what a step with perturbed motions costs, in steps without: the motions of a group of lanes are perturbed
@@ -133,12 +131,11 @@ impl ReturnMap<'_> {
         let cost = cost_of_a_step(directions.len());
         let effort_limit = self.settings.effort_limit.min(left / cost);
         let settings = Settings { effort_limit, ..self.settings };
-        let (latest, evaluator) = (self.latest.take(), &self.view.evaluator);
-        let mut motion = Motion::again(latest, evaluator, settings, &start, directions).ok()?;
+        let evaluator = &self.view.evaluator;
+        let mut motion = Motion::of_recorded(evaluator, settings, &start, directions).ok()?;
         let end = with(&mut motion, &start);
         let taken = motion.effort().total().saturating_mul(cost);
         self.steps_left.set(left.saturating_sub(taken));
-        self.latest.replace(Some(motion));
         end
     }
 

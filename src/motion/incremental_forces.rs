@@ -105,7 +105,7 @@ impl IncrementalForces<'_> {
         let inputs = self.evaluator.inputs(phases);
         if self.values.is_empty() {
             let state = |component: usize| self.state[component];
-            self.values = self.evaluator.all_values(phases, state).to_vec();
+            self.values = self.evaluator.values_with(&inputs, true, state).into_vec();
             self.inputs = inputs;
             return;
         }

@@ -57,16 +57,17 @@ pub(super) fn solve_for_each<T: Elementary>(
                 scales.swap(row, column);
             }
         }
-        let inverse = matrix[column * size + column].reciprocal();
-        for row in column + 1..size {
+        let (above, below) = matrix.split_at_mut((column + 1) * size);
+        let (pivot, others) = (above[column * size + column], &above[column * size + column + 1..]);
+        let inverse = pivot.reciprocal();
+        for (row, entries) in (column + 1..).zip(below.chunks_exact_mut(size)) {
             // Most entries of the equations of several bodies are zero.
-            if matrix[row * size + column].is_zero() {
+            if entries[column].is_zero() {
                 continue;
             }
-            let factor = matrix[row * size + column] * inverse;
-            for j in column + 1..size {
-                matrix[row * size + j] =
-                    matrix[row * size + j] - factor * matrix[column * size + j];
+            let factor = entries[column] * inverse;
+            for (entry, other) in entries[column + 1..].iter_mut().zip(others) {
+                *entry = *entry - factor * *other;
             }
             rights.iter_mut().for_each(|right| right[row] = right[row] - factor * right[column]);
         }

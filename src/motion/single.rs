@@ -1,10 +1,12 @@
 //! One motion alone, in a lane, with neighbouring motions to first order in the other lanes.
 
+use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use std::thread::panicking;
 
 use super::cancellation::unwind_if_cancelled;
-use super::lockstep::{LANES, LaneGroup, SavedRun};
+use super::lockstep::{LANES, LaneGroup, SavedRun, has_tuned_kernel};
 use super::root::fall_through_zero;
 use super::{
     Effort, Evaluator, Failure, Forces, PerContact, Phase, Phases, SLOW, Settings, SimdLevel,
@@ -26,12 +28,18 @@ pub struct Instant {
     pub forces: Forces,
 }
 
+/// The most groups of lanes that a thread keeps.
+const MOST_SPARE: usize = 4;
+
+thread_local! {
+    /// The lanes of motions that have ended, for later ones: new lanes cost as much as many steps.
+    static SPARE: RefCell<Vec<Box<dyn LaneGroup>>> = const { RefCell::new(Vec::new()) };
+}
+
 /// A motion in progress.
 pub struct Motion {
     /// Lanes with the same run, each with a perturbation of its own.
     groups: Vec<Box<dyn LaneGroup>>,
-    /// Lanes for a motion with more directions.
-    spare: Vec<Box<dyn LaneGroup>>,
     directions: usize,
     evaluator: Evaluator,
     /// Speed below which a contact counts as slow.
@@ -65,13 +73,11 @@ impl Motion {
         directions: &[Components],
     ) -> Result<Self, Failure> {
         let saved = SavedRun::start(system, settings, state)?;
-        Ok(Motion::of(&saved, directions, Evaluator::new(Arc::clone(system)), Vec::new()))
+        Ok(Motion::of(&saved, directions, Evaluator::new(Arc::clone(system))))
     }
 
-    /// Starts a motion like [`Motion::with_directions`] in the lanes of an earlier one, if there is one: new lanes cost as
-    /// much as many steps.
-    pub(crate) fn again(
-        earlier: Option<Motion>,
+    /// Starts a motion like [`Motion::with_directions`] of a system whose equations are recorded.
+    pub(crate) fn of_recorded(
         evaluator: &Evaluator,
         settings: Settings,
         state: &[f64],
@@ -79,31 +85,18 @@ impl Motion {
     ) -> Result<Self, Failure> {
         let system = evaluator.system();
         let saved = SavedRun::start_with(|| evaluator.clone(), system, settings, state)?;
-        let lanes = earlier.map_or_else(Vec::new, |Motion { mut groups, mut spare, .. }| {
-            groups.append(&mut spare);
-            groups
-        });
-        Ok(Motion::of(&saved, directions, evaluator.clone(), lanes))
+        Ok(Motion::of(&saved, directions, evaluator.clone()))
     }
 
     /// Continues a saved run.
     pub(crate) fn resume(saved: &SavedRun) -> Self {
-        Motion::of(saved, &[], Evaluator::new(Arc::clone(saved.system())), Vec::new())
+        Motion::of(saved, &[], Evaluator::new(Arc::clone(saved.system())))
     }
 
-    fn of(
-        saved: &SavedRun,
-        directions: &[Components],
-        evaluator: Evaluator,
-        mut spare: Vec<Box<dyn LaneGroup>>,
-    ) -> Self {
+    fn of(saved: &SavedRun, directions: &[Components], evaluator: Evaluator) -> Self {
         let system = saved.system();
-        spare.retain(|group| group.fits(system));
-        let mut group = |directions: &[Components]| {
-            let mut group = spare.pop().unwrap_or_else(|| SimdLevel::best().lanes(system));
-            for lane in 0..LANES {
-                group.take(lane);
-            }
+        let group = |directions: &[Components]| {
+            let mut group = spare_lanes(system).unwrap_or_else(|| SimdLevel::best().lanes(system));
             for lane in 0..directions.len().max(1) {
                 group.put(lane, saved, saved.time());
                 if let Some(direction) = directions.get(lane) {
@@ -119,7 +112,6 @@ impl Motion {
         let Settings { method, band, .. } = saved.settings();
         Motion {
             groups,
-            spare,
             directions: directions.len(),
             evaluator,
             slow: if method == Method::Switch { SLOW.max(band) } else { SLOW },
@@ -327,4 +319,32 @@ impl Motion {
         let forces = self.evaluator.forces(phases, &state);
         Instant { time, state, unwrapped, phases: phases.into(), forces }
     }
+}
+
+impl Drop for Motion {
+    fn drop(&mut self) {
+        // Lanes in which a step has failed by a panic are not used again, and none are kept when the thread ends.
+        if panicking() {
+            return;
+        }
+        let _ = SPARE.try_with(|spare| {
+            let mut spare = spare.borrow_mut();
+            for mut group in self.groups.drain(..) {
+                (0..LANES).for_each(|lane| drop(group.take(lane)));
+                spare.push(group);
+            }
+            let surplus = spare.len().saturating_sub(MOST_SPARE);
+            spare.drain(..surplus);
+        });
+    }
+}
+
+/// Returns spare lanes with the kernel that computes a system.
+fn spare_lanes(system: &Arc<dyn System>) -> Option<Box<dyn LaneGroup>> {
+    SPARE.with_borrow_mut(|spare| {
+        let is_tuned = has_tuned_kernel(system);
+        let suits = |group: &Box<dyn LaneGroup>| group.fits(system) && group.is_tuned() == is_tuned;
+        let place = spare.iter().rposition(suits)?;
+        Some(spare.remove(place))
+    })
 }

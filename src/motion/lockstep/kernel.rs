@@ -28,6 +28,8 @@ pub(super) trait Kernel<S: Vector>: Sized {
     type LaneStates: Clone;
     /// The series of a step, of the motion and of a perturbation.
     type Workspace;
+    /// Whether it is written for systems of one type.
+    const IS_TUNED: bool;
 
     /// Returns whether it computes a system.
     fn fits(&self, system: &Arc<dyn System>) -> bool;

@@ -25,6 +25,14 @@ impl SimdLevel {
     }
 }
 
+/// Returns whether a kernel is written for the type of a system, at least in builds without debug assertions.
+pub(crate) fn has_tuned_kernel(system: &Arc<dyn System>) -> bool {
+    macro_rules! computes {
+        ($($balls:literal)*) => { $(TunedKernel::<Baseline, $balls>::computes(system))||* };
+    }
+    computes!(1 2 3 4 5 6 7 8)
+}
+
 /// Returns empty lanes for processors without a vectorised fused multiply-add. Builds with debug assertions have no tuned
 /// kernels for them, which take half of the compiler's time; their results agree with the others within the tolerances.
 fn baseline_lanes(simd: Baseline, system: &Arc<dyn System>) -> Box<dyn LaneGroup> {

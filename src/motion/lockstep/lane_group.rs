@@ -19,6 +19,8 @@ use crate::motion::{Effort, Hit, PerContact, Phase, Touches};
 pub(crate) trait LaneGroup: StepStates {
     /// Returns whether runs of a system can be put into these lanes.
     fn fits(&self, system: &Arc<dyn System>) -> bool;
+    /// Returns whether the kernel of the lanes is written for systems of one type.
+    fn is_tuned(&self) -> bool;
     /// Returns an empty lane, or `None` if all lanes have a run.
     fn empty_lane(&self) -> Option<usize>;
     /// Returns the number of lanes with a run.
@@ -92,6 +94,10 @@ pub(crate) trait LaneGroup: StepStates {
 impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     fn fits(&self, system: &Arc<dyn System>) -> bool {
         self.kernel.fits(system)
+    }
+
+    fn is_tuned(&self) -> bool {
+        K::IS_TUNED
     }
 
     fn empty_lane(&self) -> Option<usize> {

@@ -113,6 +113,8 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     type LaneStates = RecordedLaneStates<S>;
     type Workspace = RecordedWorkspace<S>;
 
+    const IS_TUNED: bool = false;
+
     fn fits(&self, system: &Arc<dyn System>) -> bool {
         let graph = Graph::of(system.as_ref());
         Arc::ptr_eq(&graph, &self.graph) || graph == self.graph

@@ -78,6 +78,8 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     type LaneStates = BalancerLaneStates<S, N>;
     type Workspace = BalancerWorkspace<S, N>;
 
+    const IS_TUNED: bool = true;
+
     fn fits(&self, system: &Arc<dyn System>) -> bool {
         Self::computes(system)
     }
