@@ -12,7 +12,6 @@ use stickslip::study::Study;
 
 use crate::classification::simulate_all::simulate_all;
 use crate::docs::generated::compare_or_write_part;
-use crate::model::closed_forms::ClosedForms;
 use crate::support::cases_of;
 
 fn machine(speed_rad_s: f64) -> Machine {
@@ -133,11 +132,20 @@ touched; the model excludes contact between balls.)
         let moduli: Vec<String> =
             cycle.multipliers.iter().map(|modulus| format!("{modulus:.4}")).collect();
         assert_eq!(together.evidence.name(), "unstable_orbit");
-        assert!(cycle.multipliers[1] > 1.01 && cycle.multipliers[2] < 0.995);
+        assert_eq!((together.balls_running, cycle.turns.as_slice()), (Some(2), &[1, 1][..]));
+        let speeds = together.mean_speed.as_ref().expect("they run");
+        assert_eq!(speeds[0].to_bits(), speeds[1].to_bits(), "exactly side by side");
+        assert!((speeds[0] / expected - 1.0).abs() < 0.01, "{speeds:?}");
+        assert!((together.end_time_s.expect("ran") - 55.0).abs() < 1e-9);
+        // A complex pair: the separation grows in a spiral. All other disturbances decay.
+        let [first, second, third, ..] = cycle.multipliers[..] else { panic!("{cycle:?}") };
+        assert!(second > 1.01 && (first - second).abs() < 1e-9 && third < 0.995, "{cycle:?}");
+        assert_eq!(apart.evidence.name(), "rest_certified");
+        assert!(apart.time_to_rest_s() > Some(50.0), "{apart:?}");
         let _ = writeln!(
             text,
             "| {speed} | {expected} | {:.2} | {} | {} | {} | {:.0} s |",
-            together.mean_speed.as_ref().expect("they run")[0],
+            speeds[0],
             together.label().name(),
             together.evidence.name(),
             moduli.join(", "),
