@@ -19,7 +19,7 @@ mod lyapunov;
 mod means;
 mod model_version;
 mod multipliers;
-mod openings;
+pub mod openings;
 mod outputs;
 mod recorder;
 mod recorder_touches;
