@@ -51,7 +51,8 @@ fn equal_balls_balance_opposite_each_other() {
         assert!(sum(&machine, &example) < 1e-15 * 1e-3, "{balls:?}: {example:?}");
         let found =
             frictionless_equilibria(&machine, 1e4).expect("a number of balls that has equilibria");
-        let balanced = found.iter().find(|one| one.kind == Kind::B1).expect("balanced");
+        let balanced =
+            found.iter().find(|equilibrium| equilibrium.kind == Kind::B1).expect("balanced");
         assert_eq!(balanced.amplitude_m(), 0.0);
         // The example of four equal balls has all of them on one line, where the linearisation is marginal.
         if balls.len() < 4 {
@@ -92,7 +93,7 @@ fn all_directions_are_equivalent() {
         let form = RestForm::new(&machine).expect("a rotor with balls");
         let held = |angle: f64| form.at_rest(&[angle]).in_set();
         let angles: Vec<bool> = (0..8).map(|eighth| held(f64::from(eighth) * PI / 4.0)).collect();
-        assert!(angles.iter().all(|one| *one == angles[0]), "{angles:?}");
+        assert!(angles.iter().all(|held| *held == angles[0]), "{angles:?}");
         assert_eq!(amplitude_extremes(&form), [None, None]);
     }
     assert_eq!(reference_amplitude(&rotor(&[1.4e-4], 1.28)), Some(0.0));

@@ -21,15 +21,15 @@ fn states(name: &str) -> Vec<Option<SteadyStates>> {
 fn only(states: &Option<SteadyStates>) -> SteadySliding {
     let states = states.as_ref().expect("they are sought");
     assert_eq!(states.held_fraction, None, "all contacts slide");
-    let [one] = &states.sliding[..] else { panic!("one state: {states:?}") };
-    one.clone()
+    let [state] = &states.sliding[..] else { panic!("state state: {states:?}") };
+    state.clone()
 }
 
 /// A block on a spring is held up to the friction limit over the stiffness, and starts at up to the normal force over it.
 #[test]
 fn a_block_on_the_ground_is_held_up_to_its_friction_limit() {
-    let held = states("block-on-spring.yaml").into_iter().map(|one| one.expect("a block"));
-    let held: Vec<f64> = held.map(|one| one.held_fraction.expect("it may stick")).collect();
+    let held = states("block-on-spring.yaml").into_iter().map(|states| states.expect("a block"));
+    let held: Vec<f64> = held.map(|states| states.held_fraction.expect("it may stick")).collect();
     for (held, coefficient) in held.iter().zip([0.0, 0.02, 0.05, 0.1, 0.2]) {
         assert!((held - coefficient).abs() < 0.01, "{held} at {coefficient}");
     }
@@ -83,8 +83,8 @@ fn angles_are_within_one_turn() {
     let point = study.point(0);
     let states = SteadyStates::of(point.model(), &point.start_ranges).expect("they are sought");
     let mut found: Vec<_> =
-        states.sliding.iter().map(|one| (one.stability, one.coordinates[0])).collect();
-    found.sort_by(|one, other| one.1.total_cmp(&other.1));
+        states.sliding.iter().map(|states| (states.stability, states.coordinates[0])).collect();
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
     let [(low, first), (high, second)] = found[..] else { panic!("{found:?}") };
     assert_eq!([low, high], ["stable", "unstable"]);
     let sixth = std::f64::consts::PI / 6.0;
