@@ -18,7 +18,7 @@ fn cases(samples: u32, simulation: &str, balls: u32, rest: &str) -> Vec<Case> {
 }
 
 /// Cases of all kinds side by side: one to eight balls, both methods, several speeds and
-/// coefficients, viscous drag, uncertain masses, some continued.
+/// coefficients, viscous drag, uncertain masses, some continued, and a disc that starts before a kick.
 fn mixed() -> Vec<Case> {
     let rest = "sweep: [{grid: {speed_rad_s: [-179.2671, -247.3], \
                 friction_coefficient: [2.75e-3, 2.75e-4]}}]\n\
@@ -32,11 +32,16 @@ fn mixed() -> Vec<Case> {
     for balls in [1, 4, 5, 6, 7, 8] {
         all.extend(cases(1, "{end_time_s: 1.0}", balls, rest));
     }
-    for (number, case) in all.iter_mut().enumerate() {
-        let machine = case.model.ball_balancer_mut().unwrap();
-        if number % 7 == 3 {
-            machine.friction = stickslip::model::FrictionLaw::viscous(2e-4);
-        }
+    for case in all.iter_mut().skip(3).step_by(7) {
+        let machine = case.model.ball_balancer_mut().expect("a balancer");
+        machine.friction = stickslip::model::FrictionLaw::viscous(2e-4);
+    }
+    for contact in ["contact: {restitution: 0.5}, ", ""] {
+        let protocol = "protocol: {startup_and_hammer: {over_s: 0.5, wait_s: 1}}";
+        all.extend(cases_of(&parse(format!(
+            "schema: 1\nname: a\nseed: 5\nmodel: {{kind: ball_balancer, {contact}{protocol}}}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 6}}}}}}\n"
+        ))));
     }
     all
 }
@@ -57,6 +62,7 @@ fn bits_depend_neither_on_lanes_nor_on_neighbours_nor_on_vectors() {
     for (case, outcome) in cases.iter().zip(&best).step_by(5) {
         assert_eq!(simulate(case), *outcome);
     }
+    assert!(best.iter().step_by(5).any(|outcome| outcome.stages.len() > 2), "a start and a kick");
 }
 
 /// Endings, positions and times of regular motions agree with those of the general kernel, which uses different
@@ -99,7 +105,8 @@ fn labels_of_all_subcritical_runs_are_those_of_the_general_kernel() {
     });
     assert_eq!(cases.len(), 2304);
     let [tuned, general] = [simulate_all(&cases), simulate_all_by_recorded_equations(&cases)];
-    let flips = tuned.iter().zip(&general).filter(|(one, other)| one.label() != other.label());
+    let flips =
+        tuned.iter().zip(&general).filter(|(tuned, general)| tuned.label() != general.label());
     assert_eq!(flips.count(), 0);
 }
 

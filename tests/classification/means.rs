@@ -1,8 +1,7 @@
 //! Means over the last tenth of a run, against the recorded motion at 40,001 instants.
 
-use stickslip::classification::simulate_recorded;
 use stickslip::classification::{
-    Instants, Outcome, RecordedRun, RunRecorder, simulate, simulate_by_recorded_equations,
+    Instants, Outcome, RecordedRun, RunRecorder, simulate, simulate_recorded,
 };
 use stickslip::model::Case;
 
@@ -35,6 +34,7 @@ fn means_are_of_the_whole_last_tenth() {
     ];
     let mut compared = 0;
     for kind in kinds {
+        let before = compared;
         for case in cases(kind, 4, "{end_time_s: 1.3, endings: rest}") {
             let (outcome, recording) = recorded(&case);
             if outcome.evidence.name() != "end_time" {
@@ -69,30 +69,8 @@ fn means_are_of_the_whole_last_tenth() {
             assert_eq!(simulate(&case), outcome);
             compared += 1;
         }
+        // Both kernels: Stribeck friction needs the general one.
+        assert!(compared > before, "{kind}");
     }
     assert!(compared > 12, "{compared}");
-}
-
-/// Both kernels give equal means for equal motions.
-#[test]
-fn both_kernels_have_the_same_means() {
-    let model = "{kind: ball_balancer, parameters: {speed_rad_s: -216.3772}}";
-    let simulation =
-        "{end_time_s: 0.7, endings: rest, tolerance: {relative: 1.0e-11, absolute: 1.0e-13}}";
-    let mut compared = 0;
-    for case in cases(model, 12, simulation) {
-        let (tuned, general) = (simulate(&case), simulate_by_recorded_equations(&case));
-        if tuned.evidence.name() != "end_time" {
-            continue;
-        }
-        let [one, other] = [&tuned, &general].map(|outcome| outcome.amplitude_m.expect("a cycle"));
-        assert!((one / other - 1.0).abs() < 1e-6, "{one} {other}");
-        for (one, other) in
-            tuned.mean_speed.iter().flatten().zip(general.mean_speed.iter().flatten())
-        {
-            assert!((one - other).abs() < 1e-5, "{one} {other}");
-        }
-        compared += 1;
-    }
-    assert!(compared > 6, "{compared}");
 }

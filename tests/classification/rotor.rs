@@ -163,8 +163,8 @@ impl PlanarRotor {
 }
 
 /// Returns the largest difference between the angles of balls.
-fn difference(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| angular_distance(*one, *other)).fold(0.0, f64::max)
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| angular_distance(*a, *b)).fold(0.0, f64::max)
 }
 
 /// The balls of a rotor rest at the angles of a planar balancer from the same times on, also after a run-up.
@@ -186,20 +186,22 @@ fn a_rotor_runs_up_as_a_planar_balancer() {
             let rotor = rotor.run(&case.start.0, start_speed, case.simulation);
             // In the first three seconds, differences do not grow to the tolerance of this test.
             assert_eq!(planar.stages.len(), rotor.stages.len());
-            for (one, other) in planar.stages.iter().zip(&rotor.stages) {
-                let is_near = difference(&one.position, &other.position) < 1e-8;
-                assert!(one.time_s[1] > 3.0 || is_near, "{planar:?} {rotor:?}");
+            for (flat, turned) in planar.stages.iter().zip(&rotor.stages) {
+                let is_near = difference(&flat.position, &turned.position) < 1e-8;
+                assert!(flat.time_s[1] > 3.0 || is_near, "{planar:?} {rotor:?}");
             }
             if !planar.time_to_rest_s().is_some_and(|time_s| time_s < 3.0) {
                 continue;
             }
             rests += 1;
             assert_eq!(rotor.evidence.name(), "periodic_rest", "{planar:?} {rotor:?}");
-            let [one, other] = [&planar, &rotor].map(|one| one.position.as_ref().expect("at rest"));
-            assert!(difference(one, other) < 1e-8, "{planar:?} {rotor:?}");
-            let [one, other] = [&planar, &rotor]
-                .map(|one| one.evidence.rest().and_then(|rest| rest.since_s).expect("at rest"));
-            assert!((one - other).abs() < 1e-6, "{one} {other}");
+            let [flat, turned] =
+                [&planar, &rotor].map(|outcome| outcome.position.as_ref().expect("at rest"));
+            assert!(difference(flat, turned) < 1e-8, "{planar:?} {rotor:?}");
+            let [flat, turned] = [&planar, &rotor].map(|outcome| {
+                outcome.evidence.rest().and_then(|rest| rest.since_s).expect("at rest")
+            });
+            assert!((flat - turned).abs() < 1e-6, "{flat} {turned}");
         }
         assert!(rests >= 4, "{rests} at rest");
     }
@@ -234,9 +236,9 @@ fn runs_of_the_thesis_on_a_rotor() {
         let creeps = |case: &Case| {
             let planar = simulate(case);
             let rotor = rotor.run(&case.start.0, machine.speed_rad_s, case.simulation);
-            let [one, other] =
-                [&planar, &rotor].map(|one| one.position.as_ref().expect("no failure"));
-            assert!(difference(one, other) < 1e-8, "{planar:?} {rotor:?}");
+            let [flat, turned] =
+                [&planar, &rotor].map(|outcome| outcome.position.as_ref().expect("no failure"));
+            assert!(difference(flat, turned) < 1e-8, "{planar:?} {rotor:?}");
             let is_at_rest = planar.evidence.name() == "rest_certified";
             assert_eq!(
                 is_at_rest,
