@@ -82,8 +82,7 @@ fn a_tilting_disc_has_the_whirl_of_its_closed_form() {
 /// Sound and Vibration 330 (2011) 385, simulation of the rotor without balls) are critical speeds.
 #[test]
 fn the_rig_has_its_published_resonances() {
-    let rpm =
-        |all: &[f64]| all.iter().map(|one| one * 30.0 / std::f64::consts::PI).collect::<Vec<_>>();
+    let rpm = |all: &[f64]| all.iter().map(|w| w * 30.0 / std::f64::consts::PI).collect::<Vec<_>>();
     for balls in [0, 2] {
         let rotor =
             model(&format!("{{kind: rotor_balancer, parameters: {{number_of_balls: {balls}}}}}"));
