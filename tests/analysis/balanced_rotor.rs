@@ -3,7 +3,6 @@
 
 use std::borrow::Cow;
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stickslip::analysis::{
@@ -13,7 +12,9 @@ use stickslip::analysis::{
 use stickslip::engine::WorkerPool;
 use stickslip::model::{Ball, Machine};
 use stickslip::responses::{DesignToEvaluate, respond};
-use stickslip::study::{DesignValue, Study};
+use stickslip::study::DesignValue;
+
+use crate::support::parse;
 
 fn rotor(balls: &[f64], damping_n_s_m: f64) -> Machine {
     let ball = |mass_kg| Ball { mass_kg, ..Ball::default() };
@@ -115,7 +116,7 @@ responses:
   above: {amplitude_above: {limit: 1.0, relative: true}}
 design: {speed_rad_s: {from: -220, to: -200}}
 ";
-    let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
+    let study = parse(text);
     let design = [DesignValue::Number(-210.0)];
     let set = study.set(&design).expect("a design");
     let stop = AtomicBool::new(false);

@@ -21,7 +21,7 @@ mod model_version;
 mod multipliers;
 pub mod openings;
 mod outputs;
-mod recorder;
+pub mod recorder;
 mod recorder_touches;
 pub mod reference;
 mod reference_in_contact;

@@ -42,8 +42,9 @@ fn all_kinds() -> Vec<Case> {
     .concat()
 }
 
-fn recorded(case: &Case, instants: Instants) -> (Outcome, RecordedRun) {
-    let mut recorder = RunRecorder::new(instants, 1_000_000);
+/// Returns the outcome of a case and its record.
+pub fn recorded(case: &Case, instants: Instants) -> (Outcome, RecordedRun) {
+    let mut recorder = RunRecorder::new(instants, 10_000_000);
     let outcome = simulate_recorded(case, &mut recorder);
     (outcome, recorder.finish())
 }

@@ -4,27 +4,18 @@
 //! second program with Cartesian positions of the balls and multipliers agrees with it to 3e-12 rad. Five runs have anisotropic
 //! supports and gravity, so that balls rock in each turn or drift; in five runs with isotropic supports both balls come to rest.
 
-use std::collections::HashMap;
 use std::fmt::Write;
 
 use rayon::prelude::*;
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Method, OutputValue, Simulation, Start, Tolerance};
 
+use super::reference::{Row, rows};
 use crate::support::{angular_distance, cases_of, parse, shipped_study};
 
-const REFERENCE: &str = include_str!("../data/rotor_reference.csv");
-
-/// The rows of the reference, by column.
-fn rows() -> Vec<HashMap<&'static str, &'static str>> {
-    let mut lines = REFERENCE.lines();
-    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
-    lines.map(|line| names.iter().copied().zip(line.split(',')).collect()).collect()
-}
-
 /// Computes a run of the reference.
-fn outcome(row: &HashMap<&str, &str>) -> Outcome {
-    let number = |name: &str| row[name].parse::<f64>().expect("a number");
+fn outcome(row: &Row) -> Outcome {
+    let number = |name: &str| row.numbers([name])[0];
     let length = |x: &str, y: &str| number(x).hypot(number(y));
     let angle = |x: &str, y: &str| number(y).atan2(number(x));
     let parameters = [
@@ -42,7 +33,7 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
         ("friction_coefficient", number("mu")),
         ("ball_drag_1_s", number("cb")),
         ("gravity_m_s2", -number("gy")),
-        ("lagrange", if row["normal"] == "lagrange" { 1.0 } else { 0.0 }),
+        ("lagrange", if row.text("normal") == "lagrange" { 1.0 } else { 0.0 }),
     ];
     let start = [
         ("shaft_x_m", "X0"),
@@ -76,16 +67,16 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
 #[test]
 fn balls_of_a_rotor_end_as_an_independent_program_says() {
     let mut at_rest = 0;
-    for row in rows() {
-        let (id, found) = (row["id"], outcome(&row));
-        let number = |name: &str| row[name].parse::<f64>().expect("a number");
+    for row in rows("rotor_reference") {
+        let (id, found) = (row.text("id"), outcome(&row));
+        let number = |name: &str| row.numbers([name])[0];
         for (ball, column) in [(0, "beta1"), (1, "beta2")] {
             let angle = found.position.as_ref().expect("it has ended")[ball];
             let distance = angular_distance(angle, number(column));
             assert!(distance < 1e-8, "{id}: ball {ball} is {distance:e} away: {found:?}");
         }
         assert_eq!(found.effort.switches, number("events") as u64, "{id}");
-        match row["time_of_rest"].parse::<f64>() {
+        match row.text("time_of_rest").parse::<f64>() {
             Ok(expected) => {
                 assert_eq!(found.evidence.name(), "periodic_rest", "{id}");
                 let time_s = found.time_to_rest_s().expect("at rest");

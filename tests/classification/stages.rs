@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::classification::{
-    Instants, Label, Outcome, RunRecorder, simulate, simulate_recorded,
-};
+use stickslip::classification::{Instants, Label, Outcome, simulate};
 use stickslip::model::{
     Balancer, Ball, BallContact, Case, Kick, Machine, Model, ProfilePart, Ramp, RampShape,
     Simulation, SpeedProfile, Start,
 };
+
+use super::recorder::recorded;
 
 fn started(machine: &Machine, over_s: f64, kicks: Vec<Kick>) -> Machine {
     let ramp = Ramp { shape: RampShape::Linear, to_rad_s: None, over_s };
@@ -127,11 +127,10 @@ fn the_peak_is_the_largest_amplitude() {
         vec![Kick { at_s: 2.5, speed_m_s: 0.3, direction_rad: 0.0 }],
     );
     let case = case(&machine, [1.0, 4.0], 4.0);
-    let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 20 }, 10_000_000);
-    let outcome = simulate_recorded(&case, &mut recorder);
+    let (outcome, recording) = recorded(&case, Instants::EveryStep { inside: 20 });
     let natural = machine.natural_frequency_rad_s();
     let amplitude = |table: [f64; 4]| table[0].hypot(table[1]) * machine.ring_radius_m;
-    let samples = recorder.finish().samples;
+    let samples = recording.samples;
     for stage in &outcome.stages {
         let within = samples.iter().filter(|sample| {
             (stage.time_s[0]..=stage.time_s[1]).contains(&(sample.time / natural))

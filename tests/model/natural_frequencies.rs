@@ -1,9 +1,8 @@
 //! Natural frequencies and critical speeds of systems in files against closed forms, and those of the Bristol rig.
 
-use std::path::Path;
-
 use stickslip::model::{CampbellDiagram, Model};
-use stickslip::study::Study;
+
+use crate::support::parse;
 
 /// Returns a model of a system.
 fn model(model: &str) -> Model {
@@ -12,8 +11,7 @@ fn model(model: &str) -> Model {
          initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n",
         model.trim().replace('\n', "\n  ")
     );
-    let study = Study::parse(Path::new("a.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    study.point(0).model().clone()
+    parse(text).point(0).model().clone()
 }
 
 #[track_caller]

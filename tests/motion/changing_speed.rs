@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::classification::{Instants, RecordedRun, RunRecorder, simulate, simulate_recorded};
+use stickslip::classification::{Instants, RecordedRun, simulate};
 use stickslip::model::{
     Balancer, Ball, BallContact, Case, Forces, Machine, Method, Model, ProfilePart, Ramp,
     RampShape, Simulation, SpeedProfile, Stage, Start, State,
@@ -12,6 +12,7 @@ use stickslip::motion::{Motion, Phase, Tolerance};
 
 use super::conservation::{energy, powers};
 use super::samples::GAUSS;
+use crate::classification::recorder::recorded;
 use crate::support::settings;
 
 /// Parts of a step over which Gauss's rule is applied.
@@ -128,16 +129,14 @@ fn the_motors_work_accounts_for_the_energy_through_a_ramp() {
     }
 }
 
-fn recorded(machine: &Machine, start: &Start, end_time_s: f64, times: Vec<f64>) -> RecordedRun {
+fn at_times(machine: &Machine, start: &Start, end_time_s: f64, times: Vec<f64>) -> RecordedRun {
     let simulation = Simulation {
         end_time_s,
         tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     let case = Case { model: machine.clone().into(), start: start.clone(), simulation };
-    let mut recorder = RunRecorder::new(Instants::At(times), 1_000_000);
-    simulate_recorded(&case, &mut recorder);
-    recorder.finish()
+    recorded(&case, Instants::At(times)).1
 }
 
 /// A ramp from a speed to the same speed gives the motion at constant speed.
@@ -151,10 +150,10 @@ fn a_ramp_without_acceleration_changes_nothing() {
         let natural = machine.natural_frequency_rad_s();
         let times: Vec<f64> = (0..60).map(f64::from).collect();
         let end_time_s = 60.0 / natural;
-        let constant = recorded(&machine, &start, end_time_s, times.clone());
+        let constant = at_times(&machine, &start, end_time_s, times.clone());
         for shape in [RampShape::Linear, RampShape::Smooth] {
             let ramp = with_ramp(&machine, shape, speed, speed, 0.6 * end_time_s);
-            let found = recorded(&ramp, &start, end_time_s, times.clone());
+            let found = at_times(&ramp, &start, end_time_s, times.clone());
             assert_eq!((found.samples.len(), constant.samples.len()), (60, 60));
             for (ramped, steady) in found.samples.iter().zip(&constant.samples) {
                 let [ramped_table, steady_table] =
@@ -245,7 +244,7 @@ fn the_run_up_through_resonance_agrees_with_an_independent_integration() {
         let expected = in_the_frame_at_rest(&balancer, angle, (step, steps, every));
         let times = (0..expected.len()).map(|k| k as f64 * step * every as f64).collect();
         let start = Start::of_balancer([0.0; 2], &[0.0], [0.0; 2], &[0.0]);
-        let found = recorded(&machine, &start, 1.6 * over_s, times);
+        let found = at_times(&machine, &start, 1.6 * over_s, times);
         assert_eq!(found.samples.len(), expected.len());
         let largest = expected.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
         for (sample, [x, y]) in found.samples.iter().zip(&expected) {
