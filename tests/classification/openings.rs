@@ -12,7 +12,7 @@ use stickslip::model::{
 
 use super::METHODS;
 use super::outputs::cases;
-use crate::support::{OwnMechanism, UnitKind, simulate_kind, unit_kind};
+use crate::support::{OwnSystem, UnitKind, simulate_kind, unit_kind};
 
 /// A block of weight 1 above a plate that vibrates; a force pushes it along the plate.
 pub fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
@@ -63,7 +63,7 @@ fn system(model: &OwnModel) -> Arc<dyn System> {
         false => Friction::coulomb(coefficient),
     };
     let parameters = ["shaking", "push"].map(|name| model.number(name));
-    Arc::new(OwnMechanism::new(block, parameters.to_vec(), vec![(friction, true, law)]))
+    Arc::new(OwnSystem::mechanism(block, parameters.to_vec(), vec![(friction, true, law)]))
 }
 
 /// Runs a block from a place above the plate; the speeds are along it and up.

@@ -200,7 +200,9 @@ fn blocks(recorder: &Recorder) -> SystemEquations<'_> {
 #[test]
 fn too_many_combinations_are_called_that() {
     let friction = vec![Friction::coulomb(0.5); 13];
-    let system = shared(OwnSystem { unique: false, ..OwnSystem::new(blocks, vec![], friction) });
+    let mut system = OwnSystem::new(blocks, vec![], friction);
+    system.unique = false;
+    let system = shared(system);
     for method in [Method::Switch, Method::Event] {
         let settings = Settings { method, ..settings() };
         let failure = Motion::new(&system, settings, &[0.0; 26]).err();

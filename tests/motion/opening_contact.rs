@@ -10,7 +10,7 @@ use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
 use super::samples::compare_displacements;
 use crate::classification::openings::block;
-use crate::support::OwnMechanism;
+use crate::support::OwnSystem;
 
 fn settings(method: Method) -> Settings {
     let tolerance = Tolerance { relative: 1e-12, absolute: 1e-14 };
@@ -29,7 +29,7 @@ fn law(restitution: f64) -> ImpactLaw {
 /// above the plate obeys `h'' = Γ cos φ - 1` in flight. State: phase, place along the plate, height, and their speeds.
 fn plate(shaking: f64, restitution: f64) -> Arc<dyn System> {
     let contacts = vec![(smooth(), true, law(restitution))];
-    Arc::new(OwnMechanism::new(block, vec![shaking, 0.0], contacts))
+    Arc::new(OwnSystem::mechanism(block, vec![shaking, 0.0], contacts))
 }
 
 /// The height and the speed at a phase after a flight that begins at another phase on the plate with a speed.
@@ -133,7 +133,7 @@ fn a_sphere_that_hits_the_ground_slides_on_or_grips() {
             let law = ImpactLaw { tangential_restitution: tangential, ..law(restitution) };
             let contacts = vec![(Friction::coulomb(friction), true, law)];
             let system: Arc<dyn System> =
-                Arc::new(OwnMechanism::new(falling_sphere, vec![inertia], contacts));
+                Arc::new(OwnSystem::mechanism(falling_sphere, vec![inertia], contacts));
             let height: f64 = 0.5;
             let start = [0.0, x_speed, height, 0.0, 0.0, spin];
             let mut motion = Motion::new(&system, settings(method), &start).expect("starts");
@@ -169,7 +169,8 @@ fn a_sphere_that_hits_the_ground_slides_on_or_grips() {
 #[test]
 fn a_body_that_slides_on_the_ground_keeps_its_direction_until_it_stops() {
     let contacts = vec![(Friction::coulomb(0.25), true, law(0.0))];
-    let system: Arc<dyn System> = Arc::new(OwnMechanism::new(falling_sphere, vec![1e6], contacts));
+    let system: Arc<dyn System> =
+        Arc::new(OwnSystem::mechanism(falling_sphere, vec![1e6], contacts));
     let start = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
     let mut motion = Motion::new(&system, settings(Method::Event), &start).expect("starts");
     assert_eq!(motion.phases(), [Phase::Slip(Direction::Forward)]);
@@ -183,7 +184,8 @@ fn a_body_that_slides_on_the_ground_keeps_its_direction_until_it_stops() {
 #[test]
 fn displacements_pass_through_impacts_with_friction_and_through_release() {
     let contacts = vec![(Friction::coulomb(0.3), true, law(0.5))];
-    let sphere: Arc<dyn System> = Arc::new(OwnMechanism::new(falling_sphere, vec![0.4], contacts));
+    let sphere: Arc<dyn System> =
+        Arc::new(OwnSystem::mechanism(falling_sphere, vec![0.4], contacts));
     let lifted = plate(1.3, 0.0);
     let cases = [
         // It slides on, then it grips.
