@@ -126,7 +126,6 @@ fn machines() -> Vec<Machine> {
         .collect()
 }
 
-/// At every equilibrium the tangential force on each ball vanishes.
 #[test]
 fn tangential_forces_vanish_at_equilibria() {
     for machine in machines() {

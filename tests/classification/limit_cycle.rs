@@ -1,15 +1,11 @@
 //! Claimed limit cycles persist.
 
 use stickslip::classification::{Label, simulate};
-use stickslip::model::{Balancer, Case, Method, State};
+use stickslip::model::{Balancer, Method, State};
 use stickslip::motion::Settings;
 
 use super::simulate_all::simulate_all;
 use crate::support::{cases_of, go_on, parse, shared, start_of, started, state_of};
-
-fn cases(text: &str) -> Vec<Case> {
-    cases_of(&parse(text))
-}
 
 /// At -247.3 rad/s runs approach the cycle in a spiral of nearly five turns, so that they appear to
 /// close after five turns long before they appear to close after one. For any start, method and
@@ -24,7 +20,7 @@ model: {kind: ball_balancer, parameters: {speed_rad_s: -247.3}}
 initial_conditions: {design: {latin_hypercube: {samples: 32}}}
 simulation: {end_time_s: 66}
 ";
-    let mut cases = cases(text);
+    let mut cases = cases_of(&parse(text));
     let ways = [
         (Method::Switch, 1e-8),
         (Method::Event, 1e-8),
@@ -81,7 +77,7 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
 "
     );
     let mut places = Vec::new();
-    for case in cases(&text) {
+    for case in cases_of(&parse(text)) {
         let outcome = simulate(&case);
         let Some(cycle) = outcome.evidence.cycle().filter(|_| outcome.label() == Label::LimitCycle)
         else {

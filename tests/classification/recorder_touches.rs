@@ -150,7 +150,6 @@ fn an_impact_at_the_start_is_counted_and_recorded() {
     }
 }
 
-/// Balls without contact, and a block, have no gaps.
 #[test]
 fn without_contact_there_are_no_gaps() {
     for model in ["{kind: ball_balancer}", "{kind: block_on_spring}"] {
@@ -163,7 +162,6 @@ fn without_contact_there_are_no_gaps() {
     }
 }
 
-/// Too many touches are cut off like too many switches.
 #[test]
 fn too_many_touches_are_cut_off() {
     let case = in_contact()

@@ -61,7 +61,8 @@ impl Block {
     ///
     /// While it slides in the direction `σ`, `y = x + σ μ F_n / k` is an oscillation `m ÿ + c ẏ + k y = 0`, with the drag `c`,
     /// `δ = c / (2 m)` and `ν² = k / m - δ²`. From `(y, v)` it stands still after the time
-    /// `atan2(ν |v|, σ (y k / m + δ v)) / ν`, and after `π / ν` from rest. It stays at the first turning point with
+    /// `t = atan2(ν |v|, σ (y k / m + δ v)) / ν` at `y = σ hypot(y, (v + δ y) / ν) e^{-δ t} ν / ω_n`, and from rest after `π / ν` at
+    /// `-y e^{-δ π / ν}`. It stays at the first turning point with
     /// `|x| ≤ μ_s F_n / k`, because there is no drag at rest.
     ///
     /// None on a belt, without an oscillation (`ν² ≤ 0`) and without friction, or if the friction depends on speed otherwise.
@@ -84,14 +85,17 @@ impl Block {
             }
             let direction = if v == 0.0 { -x.signum() } else { v.signum() };
             let y = x + direction * slide;
-            let half_swing = match v == 0.0 {
-                true => PI / frequency,
-                false => {
-                    let across = direction * (square * y + decay * v);
-                    libm::atan2(frequency * v.abs(), across) / frequency
-                }
+            let (half_swing, end) = if v == 0.0 {
+                let half_swing = PI / frequency;
+                (half_swing, -y * libm::exp(-decay * half_swing))
+            } else {
+                let across = direction * (square * y + decay * v);
+                let part = libm::atan2(frequency * v.abs(), across) / frequency;
+                let radius = libm::hypot(y, (v + decay * y) / frequency);
+                let left = libm::exp(-decay * part) * frequency / square.sqrt();
+                (part, direction * radius * left)
             };
-            x = oscillation(self, drag, [y, v], half_swing)[0] - direction * slide;
+            x = end - direction * slide;
             (v, time_s) = (0.0, time_s + half_swing);
         }
     }
