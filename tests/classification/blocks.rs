@@ -24,7 +24,7 @@ fn drop_at_once(static_friction_coefficient: f64) -> FrictionLaw {
 /// all but the last, and at a start from rest.
 #[test]
 fn a_block_stops_where_and_when_the_closed_form_says() {
-    let damped = |drag| FrictionLaw::coulomb_viscous(drag);
+    let damped = FrictionLaw::coulomb_viscous;
     let mut longest = 0;
     for (block, most) in [
         (Block::on_spring(), [0.12, 1.1]),
