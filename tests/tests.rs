@@ -32,7 +32,5 @@ mod study;
 mod support;
 /// Columns, metadata and contents of the tables.
 mod table;
-/// The thesis's counts, computed from the study files.
-mod thesis;
 /// Comparison of the thesis with the program, in `docs/validation.md`.
 mod validation;

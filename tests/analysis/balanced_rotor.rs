@@ -3,7 +3,6 @@
 
 use std::borrow::Cow;
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use stickslip::analysis::{
@@ -13,7 +12,9 @@ use stickslip::analysis::{
 use stickslip::engine::WorkerPool;
 use stickslip::model::{Ball, Machine};
 use stickslip::responses::{DesignToEvaluate, respond};
-use stickslip::study::{DesignValue, Study};
+use stickslip::study::DesignValue;
+
+use crate::support::parse;
 
 fn rotor(balls: &[f64], damping_n_s_m: f64) -> Machine {
     let ball = |mass_kg| Ball { mass_kg, ..Ball::default() };
@@ -51,7 +52,8 @@ fn equal_balls_balance_opposite_each_other() {
         assert!(sum(&machine, &example) < 1e-15 * 1e-3, "{balls:?}: {example:?}");
         let found =
             frictionless_equilibria(&machine, 1e4).expect("a number of balls that has equilibria");
-        let balanced = found.iter().find(|one| one.kind == Kind::B1).expect("balanced");
+        let balanced =
+            found.iter().find(|equilibrium| equilibrium.kind == Kind::B1).expect("balanced");
         assert_eq!(balanced.amplitude_m(), 0.0);
         // The example of four equal balls has all of them on one line, where the linearisation is marginal.
         if balls.len() < 4 {
@@ -92,7 +94,7 @@ fn all_directions_are_equivalent() {
         let form = RestForm::new(&machine).expect("a rotor with balls");
         let held = |angle: f64| form.at_rest(&[angle]).in_set();
         let angles: Vec<bool> = (0..8).map(|eighth| held(f64::from(eighth) * PI / 4.0)).collect();
-        assert!(angles.iter().all(|one| *one == angles[0]), "{angles:?}");
+        assert!(angles.iter().all(|held| *held == angles[0]), "{angles:?}");
         assert_eq!(amplitude_extremes(&form), [None, None]);
     }
     assert_eq!(reference_amplitude(&rotor(&[1.4e-4], 1.28)), Some(0.0));
@@ -114,7 +116,7 @@ responses:
   above: {amplitude_above: {limit: 1.0, relative: true}}
 design: {speed_rad_s: {from: -220, to: -200}}
 ";
-    let study = Study::parse(Path::new("a.yaml"), text.to_owned()).expect("a valid study");
+    let study = parse(text);
     let design = [DesignValue::Number(-210.0)];
     let set = study.set(&design).expect("a design");
     let stop = AtomicBool::new(false);

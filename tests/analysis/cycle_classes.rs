@@ -22,10 +22,10 @@ struct Part {
 
 /// A machine and a cycle on it.
 #[derive(Clone, Debug)]
-pub struct Sample {
-    pub machine: Machine,
-    pub cycle: Cycle,
-    pub angles: Vec<f64>,
+struct Sample {
+    machine: Machine,
+    cycle: Cycle,
+    angles: Vec<f64>,
 }
 
 /// Returns the evidence of a run on a cycle.
@@ -34,12 +34,10 @@ fn on(cycle: Cycle) -> Evidence {
 }
 
 impl Sample {
-    pub fn outcome(&self) -> Outcome {
-        Outcome { position: Some(self.angles.clone()), ..Outcome::of(on(self.cycle.clone())) }
-    }
-
     fn class(&self) -> CycleClass {
-        CycleClass::of(&self.machine.clone().into(), &self.outcome()).expect("a cycle")
+        let evidence = on(self.cycle.clone());
+        let outcome = Outcome { position: Some(self.angles.clone()), ..Outcome::of(evidence) };
+        CycleClass::of(&self.machine.clone().into(), &outcome).expect("a cycle")
     }
 
     /// Returns the same motion with the balls in another order.
@@ -100,7 +98,7 @@ fn cycle_phase() -> impl Strategy<Value = CyclePhase> {
 }
 
 /// Balls of two kinds that rest, run, or switch, with so few options that equal classes are common.
-pub fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = Sample> {
+fn sample(most_balls: usize, most_letters: usize) -> impl Strategy<Value = Sample> {
     let parts = (1..=most_balls, 1..=most_letters).prop_flat_map(|(balls, letters)| {
         let switching = (Just(0), -1..=1, prop::collection::vec(cycle_phase(), letters));
         let running = (Just(0), prop::sample::select(vec![-2, -1, 1]), cycle_phase());
@@ -239,34 +237,34 @@ proptest! {
     /// mirroring does not change the class; and the class names the balls in its places.
     #[test]
     fn what_makes_no_difference(
-        one in sample(4, 6),
+        first in sample(4, 6),
         (by, pick) in (0..6_usize, any::<prop::sample::Index>()),
     ) {
-        let class = one.class();
-        let mut begun = one.clone();
+        let class = first.class();
+        let mut begun = first.clone();
         let steps = begun.cycle.configurations.len();
         begun.cycle.configurations.rotate_left(by % steps);
         prop_assert_eq!(&begun.class(), &class);
         let again = begun.cycle.configurations[0].clone();
         begun.cycle.configurations.push(again);
         prop_assert_eq!(&begun.class(), &class);
-        prop_assert_eq!(&one.mirrored().class().name, &class.name);
-        prop_assert_eq!(&one.mirrored().class().roles, &class.roles);
+        prop_assert_eq!(&first.mirrored().class().name, &class.name);
+        prop_assert_eq!(&first.mirrored().class().roles, &class.roles);
 
-        let all = orders_of_alike(&one.machine.balls);
+        let all = orders_of_alike(&first.machine.balls);
         let order = pick.get(&all);
-        let other = one.in_order(order).class();
-        prop_assert_eq!(&other.name, &class.name);
+        let reordered = first.in_order(order).class();
+        prop_assert_eq!(&reordered.name, &class.name);
         // The same balls in the same places, whatever their numbers.
-        let found: Vec<usize> = other.balls.iter().map(|&ball| order[ball]).collect();
+        let found: Vec<usize> = reordered.balls.iter().map(|&ball| order[ball]).collect();
         prop_assert_eq!(&found, &class.balls);
 
         prop_assert_eq!(&read(&class.name), &class.roles);
         for (place, &ball) in class.balls.iter().enumerate() {
-            prop_assert_eq!(one.machine.balls[place], one.machine.balls[ball]);
-            prop_assert_eq!(class.roles[place].rests, one.cycle.rests(ball));
+            prop_assert_eq!(first.machine.balls[place], first.machine.balls[ball]);
+            prop_assert_eq!(class.roles[place].rests, first.cycle.rests(ball));
         }
-        for group in groups_of_identical(&one.machine.balls) {
+        for group in groups_of_identical(&first.machine.balls) {
             for pair in group.windows(2) {
                 let [first, second] = [pair[0], pair[1]].map(|place| &class.roles[place]);
                 prop_assert!(first.rests <= second.rests);
@@ -278,13 +276,13 @@ proptest! {
 
     /// Two cycles have the same class if and only if they are equivalent by brute force.
     #[test]
-    fn what_makes_a_difference(mut one in sample(2, 3), other in sample(2, 3)) {
-        prop_assume!(one.machine.balls.len() == other.machine.balls.len());
-        one.machine.balls.clone_from(&other.machine.balls);
+    fn what_makes_a_difference(mut first in sample(2, 3), second in sample(2, 3)) {
+        prop_assume!(first.machine.balls.len() == second.machine.balls.len());
+        first.machine.balls.clone_from(&second.machine.balls);
         prop_assert_eq!(
-            one.class().name == other.class().name,
-            same(&one, &other),
-            "{} {}", one.class().name, other.class().name
+            first.class().name == second.class().name,
+            same(&first, &second),
+            "{} {}", first.class().name, second.class().name
         );
     }
 }
@@ -298,10 +296,10 @@ fn brute_force_finds_both() {
     let (mut equal, all) = (0, 2000);
     for _ in 0..all {
         let pair = (sample(2, 3), sample(2, 3)).new_tree(&mut runner).expect("a pair").current();
-        let (mut one, other) = pair;
-        if one.machine.balls.len() == other.machine.balls.len() {
-            one.machine.balls.clone_from(&other.machine.balls);
-            equal += usize::from(same(&one, &other));
+        let (mut first, second) = pair;
+        if first.machine.balls.len() == second.machine.balls.len() {
+            first.machine.balls.clone_from(&second.machine.balls);
+            equal += usize::from(same(&first, &second));
         }
     }
     assert!((50..1000).contains(&equal), "{equal}");
@@ -358,10 +356,10 @@ fn classes_say_which_balls_touch() {
     for order in orders(4) {
         // Two of three running balls touch, and the third one meets a ball that rests.
         let (turns, angles) = ([-1, -1, -1, 0], [0.1, 0.2, 0.3, 0.4]);
-        let place = |ball: usize| order.iter().position(|one| *one == ball).unwrap();
-        let pair = |one: usize, other: usize| {
-            let (one, other) = (place(one), place(other));
-            [one.min(other), one.max(other)]
+        let place = |ball: usize| order.iter().position(|placed| *placed == ball).unwrap();
+        let pair = |first: usize, second: usize| {
+            let (first, second) = (place(first), place(second));
+            [first.min(second), first.max(second)]
         };
         let turns: Vec<i32> = order.iter().map(|ball| turns[*ball]).collect();
         let angles: Vec<f64> = order.iter().map(|ball| angles[*ball]).collect();

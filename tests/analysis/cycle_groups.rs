@@ -2,12 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use proptest::prelude::*;
 use stickslip::analysis::{CycleGroup, ObservedRun, PointAccumulator, Z_95, wilson_with_failures};
 use stickslip::classification::{ClosedOrbit, Cycle, CyclePhase, Evidence, Outcome};
 use stickslip::model::{Case, Machine, Simulation, Start};
 
-use super::cycle_classes::{cycle, sample};
+use super::cycle_classes::cycle;
 
 fn case(machine: Machine) -> Case {
     let start = Start::of_balancer([0.0; 2], &[0.0; 2], [0.0; 2], &[0.0; 2]);
@@ -127,31 +126,4 @@ fn the_median_of_many_runs_is_accurate() {
     assert_eq!([period.least, period.greatest], [0.0895, 0.0895 + 1e-6]);
     let [from, to] = group.roles[1].stays_between.expect("it rests");
     assert!((from - 5.0).abs() < 1e-12 && (to - (7.0 - TAU)).abs() < 1e-12);
-}
-
-proptest! {
-    /// The order of runs does not matter, and every run is counted once.
-    #[test]
-    fn order_of_runs_does_not_matter(
-        samples in prop::collection::vec((sample(2, 3), 0.1..0.2_f64), 1..40),
-        seed in prop::collection::vec(any::<u32>(), 40),
-    ) {
-        let mut runs: Vec<(Case, Outcome)> = samples
-            .iter()
-            .map(|(sample, period)| {
-                let mut outcome = sample.outcome();
-                outcome.amplitude_m = Some(*period * 1e-3);
-                if let Evidence::ClosedOrbit(orbit) = &mut outcome.evidence {
-                    orbit.period_s = *period;
-                }
-                (case(sample.machine.clone()), outcome)
-            })
-            .collect();
-        let found = groups(&runs);
-        let all: u64 = found.iter().map(|group| group.runs).sum();
-        prop_assert_eq!(all, runs.len() as u64);
-        let mut keys = seed.into_iter();
-        runs.sort_by_cached_key(|_| keys.next());
-        prop_assert_eq!(found, groups(&runs));
-    }
 }

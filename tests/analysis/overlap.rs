@@ -38,4 +38,7 @@ fn balls_of_two_sizes_touch_at_the_sum_of_their_radii() {
         assert_eq!(overlaps(&three, &[2.0, 5.0, 2.0 + angle]), expected);
         assert_eq!(overlaps(&three, &[2.0 + TAU, 5.0, 2.0 - angle]), expected);
     }
+    // Balls that are larger than the ring touch at every angle.
+    let [huge, _] = machine(&[1.0, 1.0]).balls[..] else { panic!("two balls") };
+    assert_eq!(three.contact_angle_rad(&huge, &huge), PI);
 }

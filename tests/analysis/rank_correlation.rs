@@ -57,8 +57,8 @@ fn intervals_cover_the_coefficient_of_a_normal_distribution() {
         let (mut covered, mut sum) = (0, 0.0);
         for _ in 0..2000 {
             let mut pair = || {
-                let (one, other) = (random.normal(), random.normal());
-                (one, rho * one + (1.0 - rho * rho).sqrt() * other)
+                let (x, y) = (random.normal(), random.normal());
+                (x, rho * x + (1.0 - rho * rho).sqrt() * y)
             };
             let (x, y): (Vec<f64>, Vec<f64>) = (0..60).map(|_| pair()).unzip();
             let found = rank_correlation(&x, &y).expect("five values or more that differ");

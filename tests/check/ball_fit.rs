@@ -24,16 +24,6 @@ fn balls_at_the_corners_of_a_polygon_fill_the_ring() {
     }
 }
 
-/// Two balls touch where the distance of their centres is the sum of their radii.
-#[test]
-fn touching_balls_are_as_far_apart_as_their_radii() {
-    let ring = Machine { ring_radius_m: 0.0115, ..Machine::default() };
-    let angle = ring.contact_angle_rad(&ball(0.002), &ball(0.006));
-    let (x, y) = (0.0115 * angle.cos() - 0.0115, 0.0115 * angle.sin());
-    assert!((x.hypot(y) - 0.004).abs() < 1e-15);
-    assert_eq!(ring.contact_angle_rad(&ball(1.0), &ball(1.0)), PI);
-}
-
 /// A steel ball of 1 inch (25.4 mm) has 67 g.
 #[test]
 fn density_of_a_steel_ball() {

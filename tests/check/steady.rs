@@ -1,35 +1,34 @@
 //! Steady states of systems in files against their closed forms.
 
-use std::path::PathBuf;
-
 use stickslip::check::{SteadySliding, SteadyStates};
 use stickslip::study::Study;
 
+use crate::support::{parse, shipped_study};
+
+/// Returns the steady states at the points of a study.
+fn states_of(study: &Study) -> Vec<Option<SteadyStates>> {
+    let points = (0..study.point_count()).map(|point| study.point(point));
+    points.map(|point| SteadyStates::of(point.model(), &point.start_ranges)).collect()
+}
+
 /// Returns the steady states at the points of a study of this repository.
 fn states(name: &str) -> Vec<Option<SteadyStates>> {
-    let file: PathBuf = [env!("CARGO_MANIFEST_DIR"), "studies", name].iter().collect();
-    let text = std::fs::read_to_string(&file).expect("a study");
-    let study = Study::parse(&file, text).unwrap_or_else(|error| panic!("{error}"));
-    let of = |point: u64| {
-        let point = study.point(point);
-        SteadyStates::of(point.model(), &point.start_ranges)
-    };
-    (0..study.point_count()).map(of).collect()
+    states_of(&shipped_study(name))
 }
 
 #[track_caller]
 fn only(states: &Option<SteadyStates>) -> SteadySliding {
     let states = states.as_ref().expect("they are sought");
     assert_eq!(states.held_fraction, None, "all contacts slide");
-    let [one] = &states.sliding[..] else { panic!("one state: {states:?}") };
-    one.clone()
+    let [state] = &states.sliding[..] else { panic!("state state: {states:?}") };
+    state.clone()
 }
 
 /// A block on a spring is held up to the friction limit over the stiffness, and starts at up to the normal force over it.
 #[test]
 fn a_block_on_the_ground_is_held_up_to_its_friction_limit() {
-    let held = states("block-on-spring.yaml").into_iter().map(|one| one.expect("a block"));
-    let held: Vec<f64> = held.map(|one| one.held_fraction.expect("it may stick")).collect();
+    let held = states("block-on-spring.yaml").into_iter().map(|states| states.expect("a block"));
+    let held: Vec<f64> = held.map(|states| states.held_fraction.expect("it may stick")).collect();
     for (held, coefficient) in held.iter().zip([0.0, 0.02, 0.05, 0.1, 0.2]) {
         assert!((held - coefficient).abs() < 0.01, "{held} at {coefficient}");
     }
@@ -61,10 +60,7 @@ fn equations_with_the_time_have_no_steady_states() {
                 contacts: {belt: {normal: 1, sliding: x' - v, friction: {coulomb: {coefficient: 0.1}}}}\n\
                 initial_conditions: {design: {monte_carlo: {samples: 2}}}\n";
     for text in [text.to_owned(), text.replace("exp(-t / s)", "log(x - 0.2)")] {
-        let study = Study::parse("a.yaml".as_ref(), text.clone());
-        let study = study.unwrap_or_else(|error| panic!("{error}"));
-        let point = study.point(0);
-        let states = SteadyStates::of(point.model(), &point.start_ranges);
+        let states = states_of(&parse(text.clone())).remove(0);
         let sliding = states.map_or(0, |states| states.sliding.len());
         assert_eq!(sliding, 0, "{text}");
     }
@@ -78,13 +74,10 @@ fn angles_are_within_one_turn() {
                 force: {phi: -sin(phi) - 0.1 * phi'}\n    \
                 contacts: {belt: {normal: 1, sliding: phi' - v, friction: {coulomb: {coefficient: 0.5}}}}\n\
                 initial_conditions: {design: {monte_carlo: {samples: 2}}}\n";
-    let study = Study::parse("a.yaml".as_ref(), text.to_owned());
-    let study = study.unwrap_or_else(|error| panic!("{error}"));
-    let point = study.point(0);
-    let states = SteadyStates::of(point.model(), &point.start_ranges).expect("they are sought");
+    let states = states_of(&parse(text)).remove(0).expect("they are sought");
     let mut found: Vec<_> =
-        states.sliding.iter().map(|one| (one.stability, one.coordinates[0])).collect();
-    found.sort_by(|one, other| one.1.total_cmp(&other.1));
+        states.sliding.iter().map(|states| (states.stability, states.coordinates[0])).collect();
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
     let [(low, first), (high, second)] = found[..] else { panic!("{found:?}") };
     assert_eq!([low, high], ["stable", "unstable"]);
     let sixth = std::f64::consts::PI / 6.0;

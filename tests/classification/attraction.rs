@@ -50,8 +50,8 @@ fn drawn(case: &Case, outcome: &Outcome) -> ([f64; 2], f64) {
         }
     }
     let apart = |later: usize| {
-        let (one, other) = (&passages[later - turns].1, &passages[later].1);
-        one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        let (before, after) = (&passages[later - turns].1, &passages[later].1);
+        before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     };
     let last = passages.len() - 1;
     let taken = passages[last].0 - passages[last - turns].0;

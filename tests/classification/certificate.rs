@@ -27,7 +27,7 @@ fn ever_moves(balancer: &Balancer<2>, state: State<2>) -> bool {
         effort_limit: 1_000_000,
     };
     let end = 30.0 / balancer.damping_ratio.max(0.01);
-    let [one, other] = for_each_kernel(*balancer).map(|system| {
+    let [tuned, general] = for_each_kernel(*balancer).map(|system| {
         let mut motion = started(&system, settings, &state);
         loop {
             if motion.phases().iter().any(|phase| *phase != Phase::Stick) {
@@ -39,8 +39,8 @@ fn ever_moves(balancer: &Balancer<2>, state: State<2>) -> bool {
             motion.advance(end).expect("continues");
         }
     });
-    assert_eq!(one, other);
-    one
+    assert_eq!(tuned, general);
+    tuned
 }
 
 proptest! {

@@ -35,8 +35,9 @@ fn a_block_with_a_damped_pendulum_comes_to_rest_for_good() {
     for number in 0..40 {
         let method = [Method::Event, Method::Switch][number % 2];
         let friction = [0.05, 0.2, 0.6][number % 3];
-        let mut one = |most: f64| most * (2.0 * draws.uniform() - 1.0);
-        let start = [one(1.0), one(0.2).abs(), one(3.0), one(0.5), one(0.5), one(1.5)];
+        let mut within = |most: f64| most * (2.0 * draws.uniform() - 1.0);
+        let start =
+            [within(1.0), within(0.2).abs(), within(3.0), within(0.5), within(0.5), within(1.5)];
         let case = case(friction, 0.1, start, method);
         let outcome = simulate(&case);
         assert_eq!(outcome.evidence.name(), "rest_contracting", "{start:?} {outcome:?}");

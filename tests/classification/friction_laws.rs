@@ -3,8 +3,6 @@
 use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{Balancer, Case, FrictionLaw, Machine, Method, Simulation, Start};
 
-use crate::support::angular_distance;
-
 fn run(machine: &Machine, start: &Start, method: Method, end_time_s: f64) -> Outcome {
     let simulation = Simulation { method, end_time_s, ..Simulation::default() };
     simulate(&Case { model: machine.clone().into(), start: start.clone(), simulation })
@@ -26,35 +24,6 @@ fn at_rest() -> (Vec<f64>, Start) {
         .expect("somewhere");
     let [x, y] = balancer.rest_point(&beta).position;
     (beta.to_vec(), Start::of_balancer([x, y], &beta, [0.0; 2], &[0.0; 2]))
-}
-
-/// Smoothed friction cannot hold a ball (thesis section 3.3.1): from a state in which Coulomb
-/// friction holds both balls, they creep towards the balancing angles, more slowly for steeper
-/// laws.
-#[test]
-fn smooth_friction_lets_resting_balls_creep() {
-    let (beta, start) = at_rest();
-    for method in [Method::Event, Method::Switch] {
-        let held = run(&with(FrictionLaw::COULOMB), &start, method, 20.0);
-        assert_eq!(held.evidence.name(), "rest_certified");
-        assert_eq!(held.time_to_rest_s(), Some(0.0));
-        let mut crept = Vec::new();
-        for smoothing_speed in [1e-3, 1e-2] {
-            let machine = with(FrictionLaw::smooth(smoothing_speed));
-            let outcome = run(&machine, &start, method, 20.0);
-            assert_ne!(outcome.evidence.name(), "rest_certified");
-            let end = outcome.position.expect("known");
-            let moved =
-                |end: &[f64]| (0..2).map(|i| angular_distance(end[i], beta[i])).fold(0.0, f64::max);
-            crept.push(moved(&end));
-        }
-        // A ball held with a fraction `s` of the limit creeps with `v_0 tan(π s / 2)`, here with 45
-        // to 55 %: about 2 hundredths of a radian in 20 s, and for ten times the speed nearly ten
-        // times that, because the tangential force decreases on the way.
-        let fraction = |s: f64| 0.02 * (std::f64::consts::FRAC_PI_2 * s).tan();
-        assert!((fraction(0.45)..fraction(0.56)).contains(&crept[0]), "{crept:?}");
-        assert!((7.0..10.0).contains(&(crept[1] / crept[0])), "{crept:?}");
-    }
 }
 
 /// With a static coefficient above the kinetic one, balls stay where Coulomb friction with the

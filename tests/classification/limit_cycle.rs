@@ -1,67 +1,11 @@
-//! Limit cycles: claimed ones persist, and the thesis's are unstable.
+//! Claimed limit cycles persist.
 
-use stickslip::classification::{Label, Outcome, simulate};
-use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State};
+use stickslip::classification::{Label, simulate};
+use stickslip::model::{Balancer, Method, State};
 use stickslip::motion::Settings;
 
 use super::simulate_all::simulate_all;
 use crate::support::{cases_of, go_on, parse, shared, start_of, started, state_of};
-
-/// The start states of thesis table 5.1, with the speeds of the disc and the mean speeds of the
-/// balls; the second ball is `apart` from the first.
-fn thesis_starts(apart: f64) -> [(f64, f64, Start); 2] {
-    let from = |x, y, beta, x_dot, y_dot, beta_dot| {
-        Start::of_balancer([x, y], &[beta, beta + apart], [x_dot, y_dot], &[beta_dot; 2])
-    };
-    [
-        (-247.3, 72.3, from(-0.0109, -0.0047, 3.3088, 0.0020, -0.0041, 0.4224)),
-        (-309.15, 133.5, from(-0.01, 0.01, 1.5, -0.01, -0.01, 0.75)),
-    ]
-}
-
-fn run(speed_rad_s: f64, start: Start, end_time_s: f64) -> Outcome {
-    let model = Machine { speed_rad_s, ..Machine::default() }.into();
-    let simulation = Simulation { end_time_s, ..Simulation::default() };
-    simulate(&Case { model, start, simulation })
-}
-
-/// Balls exactly side by side still run after 55 s, with mean speeds of 72.3 and 133.5 rad/s
-/// (thesis table 5.1 and figure 5.15). The orbit is closed, and unstable against their separation.
-#[test]
-fn thesis_orbits_with_balls_side_by_side() {
-    for (speed_rad_s, mean_speed, start) in thesis_starts(0.0) {
-        let outcome = run(speed_rad_s, start, 55.0);
-        let speeds = outcome.mean_speed.clone().expect("running balls have speeds");
-        println!("{speed_rad_s} rad/s: balls at {speeds:?} rad/s, {}", outcome.evidence.name());
-        assert!((outcome.end_time_s.expect("ran") - 55.0).abs() < 1e-9);
-        assert_eq!(outcome.balls_running, Some(2));
-        assert_eq!(speeds[0].to_bits(), speeds[1].to_bits(), "exactly side by side");
-        assert!((speeds[0] / mean_speed - 1.0).abs() < 0.01, "{speeds:?}");
-        assert_eq!(outcome.label(), Label::Undecided);
-        assert_eq!(outcome.evidence.name(), "unstable_orbit");
-        let cycle = outcome.evidence.cycle().expect("the unstable orbit");
-        assert_eq!(cycle.turns, [1, 1]);
-        assert!(cycle.multipliers[0] > 1.01, "{:?}", cycle.multipliers);
-        // A complex pair: the separation grows in a spiral. All other disturbances decay.
-        assert!((cycle.multipliers[0] - cycle.multipliers[1]).abs() < 1e-9);
-        assert!(cycle.multipliers[2] < 0.995, "{:?}", cycle.multipliers);
-    }
-}
-
-/// With a separation of a millionth of a rad, these balls come to rest.
-#[test]
-fn thesis_orbits_break_up() {
-    for (speed_rad_s, _, start) in thesis_starts(1e-6) {
-        let outcome = run(speed_rad_s, start, 165.0);
-        assert_eq!(outcome.evidence.name(), "rest_certified", "{speed_rad_s}");
-        let time = outcome.time_to_rest_s().expect("at rest");
-        assert!((50.0..165.0).contains(&time), "{speed_rad_s}: {time}");
-    }
-}
-
-fn cases(text: &str) -> Vec<Case> {
-    cases_of(&parse(text))
-}
 
 /// At -247.3 rad/s runs approach the cycle in a spiral of nearly five turns, so that they appear to
 /// close after five turns long before they appear to close after one. For any start, method and
@@ -76,7 +20,7 @@ model: {kind: ball_balancer, parameters: {speed_rad_s: -247.3}}
 initial_conditions: {design: {latin_hypercube: {samples: 32}}}
 simulation: {end_time_s: 66}
 ";
-    let mut cases = cases(text);
+    let mut cases = cases_of(&parse(text));
     let ways = [
         (Method::Switch, 1e-8),
         (Method::Event, 1e-8),
@@ -115,9 +59,7 @@ simulation: {end_time_s: 66}
 /// less often, until it rests.
 #[test]
 fn a_ball_that_rests_beside_a_running_one_rests() {
-    for friction in ["2.0e-2", "3.5e-3"] {
-        resting_beside_a_running_one(friction);
-    }
+    ["2.0e-2", "3.5e-3"].into_iter().for_each(resting_beside_a_running_one);
 }
 
 fn resting_beside_a_running_one(friction: &str) {
@@ -135,7 +77,7 @@ initial_conditions: {{design: {{latin_hypercube: {{samples: 64}}}}}}
 "
     );
     let mut places = Vec::new();
-    for case in cases(&text) {
+    for case in cases_of(&parse(text)) {
         let outcome = simulate(&case);
         let Some(cycle) = outcome.evidence.cycle().filter(|_| outcome.label() == Label::LimitCycle)
         else {

@@ -32,24 +32,24 @@ fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations()
         };
         let natural = machine.natural_frequency_rad_s();
         let drag = viscous_coefficient_n_s_m / (machine.balls[0].mass_kg * natural);
-        for one in frictionless_equilibria(&machine, drag).expect("two balls") {
-            let rate = one.eigenvalues_per_s[0].re;
+        for equilibrium in frictionless_equilibria(&machine, drag).expect("two balls") {
+            let rate = equilibrium.eigenvalues_per_s[0].re;
             // Fast enough to be measured before rounding errors have grown.
-            if one.stability != Stability::Unstable || rate < 1e-3 * natural {
+            if equilibrium.stability != Stability::Unstable || rate < 1e-3 * natural {
                 continue;
             }
-            let beta = one.beta_rad.expect("isolated");
+            let beta = equilibrium.beta_rad.expect("isolated");
             // All balls are displaced equally, which preserves balls side by side.
             if beta[0] == beta[1] {
                 continue;
             }
-            let position = one.position_m.map(|place| place / machine.ring_radius_m);
+            let position = equilibrium.position_m.map(|place| place / machine.ring_radius_m);
             let outcome = simulate(&Case {
                 model: machine.clone().into(),
                 start: Start::of_balancer(position, &beta, [0.0; 2], &[0.0; 2]),
                 simulation: Simulation { end_time_s: 24.0 / rate, ..Simulation::default() },
             });
-            assert_eq!(outcome.evidence.name(), "end_time", "{speed_rad_s} {:?}", one.kind);
+            assert_eq!(outcome.evidence.name(), "end_time", "{speed_rad_s} {:?}", equilibrium.kind);
             let found = outcome.lyapunov.expect("measured");
             let form = RestForm::new(&machine).expect("two balls");
             let matrix = state_matrix(&form, &beta, drag).expect("a rest point");
@@ -59,7 +59,7 @@ fn the_exponent_at_an_unstable_equilibrium_is_that_of_the_linearised_equations()
             let grown = (matrix * window).exp() * &displaced;
             let expected = (grown.norm() / displaced.norm()).ln() / found.window_s;
             let found = found.exponent_1_s;
-            println!("{speed_rad_s} {:?}: {found}, {expected}, at last {rate}", one.kind);
+            println!("{speed_rad_s} {:?}: {found}, {expected}, at last {rate}", equilibrium.kind);
             assert!((found / expected - 1.0).abs() < 1e-9, "{speed_rad_s}: {found}, {expected}");
             compared += 1;
         }
@@ -112,9 +112,9 @@ fn side_by_side(
         go_on(&mut second, until - begins);
         apart = add(&state_of(&second), -1.0, &state_of(&first));
         for ball in 0..2 {
-            let one = first.unwrapped()[ball] - turned[ball];
-            let other = second.unwrapped()[ball] - began[ball];
-            apart.beta[ball] = displaced[ball] - placed[ball] + other - one;
+            let followed = first.unwrapped()[ball] - turned[ball];
+            let beside = second.unwrapped()[ball] - began[ball];
+            apart.beta[ball] = displaced[ball] - placed[ball] + beside - followed;
         }
         growth += (size(&apart) / before).ln();
     }

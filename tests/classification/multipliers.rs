@@ -98,7 +98,7 @@ fn by_differences(
     }
     let mut moduli: Vec<f64> =
         slope.complex_eigenvalues().iter().map(|value| value.norm()).collect();
-    moduli.sort_by(|one, other| other.total_cmp(one));
+    moduli.sort_by(|a, b| b.total_cmp(a));
     moduli
 }
 
@@ -153,7 +153,7 @@ fn multipliers_are_those_of_the_return_map() {
         coordinates.push(5);
         let mut expected = cycle.multipliers.clone();
         expected.extend(std::iter::repeat_n(1.0, neutral.into()));
-        expected.sort_by(|one, other| other.total_cmp(one));
+        expected.sort_by(|a, b| b.total_cmp(a));
         let found = by_differences(&system, &orbit, ball, &coordinates);
         println!("{speed} rad/s, {friction:?}: {found:.7?}");
         assert_eq!(found.len(), expected.len());

@@ -12,10 +12,10 @@ use stickslip::model::{
 
 use super::METHODS;
 use super::outputs::cases;
-use crate::support::{OwnMechanism, UnitKind, simulate_kind, unit_kind};
+use crate::support::{OwnSystem, UnitKind, simulate_kind, unit_kind};
 
 /// A block of weight 1 above a plate that vibrates; a force pushes it along the plate.
-fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
+pub fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r> {
     let [phase, along, height, speed, rise] = [(); 5].map(|()| recorder.state());
     let [shaking, push] = ["shaking", "push"].map(|name| recorder.parameter(name));
     let [zero, one] = [0.0, 1.0].map(Expression::constant);
@@ -63,7 +63,7 @@ fn system(model: &OwnModel) -> Arc<dyn System> {
         false => Friction::coulomb(coefficient),
     };
     let parameters = ["shaking", "push"].map(|name| model.number(name));
-    Arc::new(OwnMechanism::new(block, parameters.to_vec(), vec![(friction, true, law)]))
+    Arc::new(OwnSystem::mechanism(block, parameters.to_vec(), vec![(friction, true, law)]))
 }
 
 /// Runs a block from a place above the plate; the speeds are along it and up.
@@ -102,7 +102,7 @@ fn a_block_that_a_plate_throws_once_per_period_forgets_its_start() {
             let period_s = outcome.evidence.period_s().expect("a cycle has a period");
             assert!((period_s - TAU).abs() < 1e-12, "{period_s}");
             let cycle = outcome.evidence.cycle().expect("known");
-            assert!(cycle.multipliers.iter().all(|one| *one < 1e-6), "{cycle:?}");
+            assert!(cycle.multipliers.iter().all(|multiplier| *multiplier < 1e-6), "{cycle:?}");
             assert!(cycle.configurations.contains(&vec![CyclePhase::Apart]), "{cycle:?}");
             assert!(cycle.configurations.contains(&vec![CyclePhase::Stick]), "{cycle:?}");
         }

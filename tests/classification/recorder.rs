@@ -42,58 +42,48 @@ fn all_kinds() -> Vec<Case> {
     .concat()
 }
 
-fn recorded(case: &Case, instants: Instants) -> (Outcome, RecordedRun) {
-    let mut recorder = RunRecorder::new(instants, 1_000_000);
+/// Returns the outcome of a case and its record.
+pub fn recorded(case: &Case, instants: Instants) -> (Outcome, RecordedRun) {
+    let mut recorder = RunRecorder::new(instants, 10_000_000);
     let outcome = simulate_recorded(case, &mut recorder);
     (outcome, recorder.finish())
 }
 
-fn every_step(case: &Case) -> (Outcome, RecordedRun) {
-    recorded(case, Instants::EveryStep { inside: 0 })
-}
-
+/// Recording does not change the outcome. Every step is recorded once, from the start to the end of the run, with every switch.
 #[test]
-fn recording_changes_nothing() {
-    let (mut extended, mut failed, mut equilibria) = (0, 0, 0);
+fn a_record_is_whole_and_changes_nothing() {
+    let (mut extended, mut failures, mut equilibria, mut switches) = (0, 0, 0, 0);
     for case in all_kinds() {
         let outcome = simulate(&case);
         let [_, latest] = case.simulation.end_times_s();
         let natural = case.model.natural_frequency_rad_s();
         let times = (0..=500).map(|k| latest * natural * f64::from(k) / 500.0).collect();
-        let (same, dense) = recorded(&case, Instants::EveryStep { inside: 3 });
-        assert_eq!(same, outcome, "{case:?}");
-        let (same, at_times) = recorded(&case, Instants::At(times));
-        assert_eq!(same, outcome, "{case:?}");
-        let (same, steps) = every_step(&case);
-        assert_eq!(same, outcome, "{case:?}");
-        assert_eq!((&dense.switches, &at_times.switches), (&steps.switches, &steps.switches));
+        let instants = [
+            Instants::EveryStep { inside: 3 },
+            Instants::At(times),
+            Instants::EveryStep { inside: 0 },
+        ];
+        let [dense, at_times, steps] = instants.map(|instants| {
+            let (same, recording) = recorded(&case, instants);
+            assert_eq!(same, outcome, "{case:?}");
+            recording
+        });
+        let RecordedRun { samples, switches: log, cut_off, .. } = steps;
+        assert_eq!((&dense.switches, &at_times.switches, cut_off), (&log, &log, false));
+        let failed = outcome.label() == Label::Failed;
         extended += u32::from(outcome.extended);
-        failed += u32::from(outcome.label() == Label::Failed);
+        failures += u32::from(failed);
         equilibria += u32::from(outcome.label() == Label::Equilibrium);
-    }
-    assert!(extended > 2 && failed > 3 && equilibria > 8, "{extended} {failed} {equilibria}");
-}
-
-/// Every step is recorded once, from the start to the end of the run, with every switch.
-#[test]
-fn a_record_is_whole() {
-    let mut switches = 0;
-    for case in all_kinds() {
-        let (outcome, RecordedRun { samples, switches: log, cut_off, .. }) = every_step(&case);
-        assert!(!cut_off);
         assert_eq!(log.len() as u64, outcome.effort.switches, "{case:?}");
         switches += log.len();
-        let Some(first) = samples.first() else {
-            assert_eq!(outcome.label(), Label::Failed, "{case:?}");
+        let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
+            assert!(failed, "{case:?}");
             continue;
         };
-        let last = samples.last().unwrap();
         assert_eq!((first.time, first.step), (0.0, 0));
-        let natural = case.model.natural_frequency_rad_s();
         assert_eq!(Some(last.time / natural), outcome.end_time_s.or(Some(last.time / natural)));
         let mut steps: Vec<u64> = samples.iter().map(|sample| sample.step).collect();
         steps.dedup();
-        let failed = outcome.label() == Label::Failed;
         assert!(steps.iter().copied().eq(0..steps.len() as u64), "{case:?}");
         let taken = outcome.effort.steps + 1 - steps.len() as u64;
         assert!(taken == 0 || failed && taken == 1, "{case:?}: {taken}");
@@ -107,6 +97,7 @@ fn a_record_is_whole() {
             assert!(apart.abs() < 1e-9 || failed, "{apart} {case:?}");
         }
     }
+    assert!(extended > 2 && failures > 3 && equilibria > 8, "{extended} {failures} {equilibria}");
     assert!(switches > 1000, "{switches}");
 }
 
@@ -119,10 +110,10 @@ fn friction_obeys_its_law() {
         let (_, recording) = recorded(&case, Instants::EveryStep { inside: 2 });
         let contacts = case.model.contacts();
         for contact in 0..contacts {
-            let own: Vec<_> =
-                recording.switches.iter().filter(|switch| switch.contact == contact).collect();
-            assert!(own.windows(2).all(|pair| pair[0].after.phase == pair[1].before.phase));
-            assert!(own.iter().all(|switch| switch.before.phase != switch.after.phase));
+            let of_contact = recording.switches.iter().filter(|switch| switch.contact == contact);
+            let switches: Vec<_> = of_contact.collect();
+            assert!(switches.windows(2).all(|pair| pair[0].after.phase == pair[1].before.phase));
+            assert!(switches.iter().all(|switch| switch.before.phase != switch.after.phase));
         }
         let of_balls = case.model.ball_balancer().into_iter().flat_map(|machine| &machine.balls);
         let of_balls = of_balls.map(|ball| ball.friction_coefficient);

@@ -9,7 +9,7 @@ use stickslip::classification::{
 use stickslip::model::{Case, Start, TOUCHING, wrap_to_pi};
 use stickslip::motion::Phase;
 
-use super::recorder::cases;
+use super::recorder::{cases, recorded};
 
 /// Restitution of all cases.
 const RESTITUTION: f64 = 0.36;
@@ -34,12 +34,12 @@ fn in_contact() -> Vec<Case> {
     .concat()
 }
 
-fn recorded(case: &Case) -> (Outcome, TouchingOutcome, RecordedRun) {
-    let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 1 }, 1_000_000);
-    let outcome = simulate_recorded(case, &mut recorder);
+/// Returns the record with a state inside each step.
+fn inside(case: &Case) -> (Outcome, TouchingOutcome, RecordedRun) {
+    let (outcome, recording) = recorded(case, Instants::EveryStep { inside: 1 });
     assert_eq!(outcome, simulate(case));
     let touching = outcome.touching.expect("contact between balls");
-    (outcome, touching, recorder.finish())
+    (outcome, touching, recording)
 }
 
 /// The touches of a run are those of its outcome: as many impacts, and as long in contact.
@@ -48,7 +48,7 @@ fn touches_are_those_of_the_outcome() {
     let (mut impacts, mut lasting, mut separations, mut extended) = (0, 0, 0, 0);
     let inelastic = cases(&model("balls: 3", 0.0), 4, "{end_time_s: 4}");
     for case in in_contact().into_iter().chain(inelastic) {
-        let (outcome, touching, RecordedRun { samples, touches, .. }) = recorded(&case);
+        let (outcome, touching, RecordedRun { samples, touches, .. }) = inside(&case);
         let counted = touches.iter().filter(|touch| touch.is_impact()).count();
         assert_eq!(counted as u64, touching.impacts, "{case:?}");
         impacts += counted;
@@ -86,9 +86,7 @@ fn touches_are_those_of_the_outcome() {
 fn gaps_and_impacts_obey_their_laws() {
     let (mut touching, mut bounces) = (0, 0);
     for case in in_contact() {
-        let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 1 }, 1_000_000);
-        simulate_recorded(&case, &mut recorder);
-        let recording = recorder.finish();
+        let (_, _, recording) = inside(&case);
         let machine = case.model.ball_balancer().expect("balls");
         let angle = machine.contact_angle_rad(&machine.balls[0], &machine.balls[0]);
         for sample in &recording.samples {
@@ -140,7 +138,7 @@ fn an_impact_at_the_start_is_counted_and_recorded() {
     let beta = [0, 1, 2].map(|ball| 1.0 + f64::from(ball) * angle);
     for (speeds, expected) in [([0.5, 0.1, 0.1], 1), ([0.5, 0.1, -0.3], 2), ([0.5; 3], 0)] {
         let start = Start::of_balancer([0.0; 2], &beta, [0.0; 2], &speeds);
-        let (_, touching, recording) = recorded(&Case { start, ..case.clone() });
+        let (_, touching, recording) = inside(&Case { start, ..case.clone() });
         let impacts = recording.touches.iter().filter(|touch| touch.is_impact());
         assert_eq!(impacts.clone().count() as u64, touching.impacts);
         let first: Vec<_> = impacts.filter(|touch| touch.time == 0.0).collect();
@@ -152,26 +150,23 @@ fn an_impact_at_the_start_is_counted_and_recorded() {
     }
 }
 
-/// Balls without contact, and a block, have no gaps.
 #[test]
 fn without_contact_there_are_no_gaps() {
     for model in ["{kind: ball_balancer}", "{kind: block_on_spring}"] {
         for case in cases(model, 2, "{end_time_s: 0.5}") {
-            let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 0 }, 1_000_000);
-            simulate_recorded(&case, &mut recorder);
-            let RecordedRun { samples, touches, .. } = recorder.finish();
+            let (_, recording) = recorded(&case, Instants::EveryStep { inside: 0 });
+            let RecordedRun { samples, touches, .. } = recording;
             assert!(samples.len() > 1 && samples.iter().all(|sample| sample.gaps.is_empty()));
             assert!(touches.is_empty() && case.model.gaps(&case.start).is_none());
         }
     }
 }
 
-/// Too many touches are cut off like too many switches.
 #[test]
 fn too_many_touches_are_cut_off() {
     let case = in_contact()
         .into_iter()
-        .find(|case| recorded(case).2.touches.len() > 3)
+        .find(|case| inside(case).2.touches.len() > 3)
         .expect("a run with impacts");
     let mut recorder = RunRecorder::new(Instants::At(vec![0.0]), 3);
     simulate_recorded(&case, &mut recorder);

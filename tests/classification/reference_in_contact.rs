@@ -45,7 +45,7 @@ fn computed(speed: &str, contact: BallContact) -> Vec<Outcome> {
         simulation: Simulation::default(),
     };
     let starts = references(speed);
-    simulate_all(&starts.iter().map(|one| case(&one.start)).collect::<Vec<_>>())
+    simulate_all(&starts.iter().map(|run| case(&run.start)).collect::<Vec<_>>())
 }
 
 const LAWS: [(&str, BallContact); 2] = [

@@ -4,27 +4,18 @@
 //! second program with Cartesian positions of the balls and multipliers agrees with it to 3e-12 rad. Five runs have anisotropic
 //! supports and gravity, so that balls rock in each turn or drift; in five runs with isotropic supports both balls come to rest.
 
-use std::collections::HashMap;
 use std::fmt::Write;
 
 use rayon::prelude::*;
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Method, OutputValue, Simulation, Start, Tolerance};
 
+use super::reference::{Row, rows};
 use crate::support::{angular_distance, cases_of, parse, shipped_study};
 
-const REFERENCE: &str = include_str!("../data/rotor_reference.csv");
-
-/// The rows of the reference, by column.
-fn rows() -> Vec<HashMap<&'static str, &'static str>> {
-    let mut lines = REFERENCE.lines();
-    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
-    lines.map(|line| names.iter().copied().zip(line.split(',')).collect()).collect()
-}
-
 /// Computes a run of the reference.
-fn outcome(row: &HashMap<&str, &str>) -> Outcome {
-    let number = |name: &str| row[name].parse::<f64>().expect("a number");
+fn outcome(row: &Row) -> Outcome {
+    let number = |name: &str| row.numbers([name])[0];
     let length = |x: &str, y: &str| number(x).hypot(number(y));
     let angle = |x: &str, y: &str| number(y).atan2(number(x));
     let parameters = [
@@ -42,7 +33,7 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
         ("friction_coefficient", number("mu")),
         ("ball_drag_1_s", number("cb")),
         ("gravity_m_s2", -number("gy")),
-        ("lagrange", if row["normal"] == "lagrange" { 1.0 } else { 0.0 }),
+        ("lagrange", if row.text("normal") == "lagrange" { 1.0 } else { 0.0 }),
     ];
     let start = [
         ("shaft_x_m", "X0"),
@@ -76,16 +67,16 @@ fn outcome(row: &HashMap<&str, &str>) -> Outcome {
 #[test]
 fn balls_of_a_rotor_end_as_an_independent_program_says() {
     let mut at_rest = 0;
-    for row in rows() {
-        let (id, found) = (row["id"], outcome(&row));
-        let number = |name: &str| row[name].parse::<f64>().expect("a number");
+    for row in rows("rotor_reference") {
+        let (id, found) = (row.text("id"), outcome(&row));
+        let number = |name: &str| row.numbers([name])[0];
         for (ball, column) in [(0, "beta1"), (1, "beta2")] {
             let angle = found.position.as_ref().expect("it has ended")[ball];
             let distance = angular_distance(angle, number(column));
             assert!(distance < 1e-8, "{id}: ball {ball} is {distance:e} away: {found:?}");
         }
         assert_eq!(found.effort.switches, number("events") as u64, "{id}");
-        match row["time_of_rest"].parse::<f64>() {
+        match row.text("time_of_rest").parse::<f64>() {
             Ok(expected) => {
                 assert_eq!(found.evidence.name(), "periodic_rest", "{id}");
                 let time_s = found.time_to_rest_s().expect("at rest");
@@ -163,8 +154,8 @@ impl PlanarRotor {
 }
 
 /// Returns the largest difference between the angles of balls.
-fn difference(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| angular_distance(*one, *other)).fold(0.0, f64::max)
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| angular_distance(*a, *b)).fold(0.0, f64::max)
 }
 
 /// The balls of a rotor rest at the angles of a planar balancer from the same times on, also after a run-up.
@@ -186,20 +177,22 @@ fn a_rotor_runs_up_as_a_planar_balancer() {
             let rotor = rotor.run(&case.start.0, start_speed, case.simulation);
             // In the first three seconds, differences do not grow to the tolerance of this test.
             assert_eq!(planar.stages.len(), rotor.stages.len());
-            for (one, other) in planar.stages.iter().zip(&rotor.stages) {
-                let is_near = difference(&one.position, &other.position) < 1e-8;
-                assert!(one.time_s[1] > 3.0 || is_near, "{planar:?} {rotor:?}");
+            for (flat, turned) in planar.stages.iter().zip(&rotor.stages) {
+                let is_near = difference(&flat.position, &turned.position) < 1e-8;
+                assert!(flat.time_s[1] > 3.0 || is_near, "{planar:?} {rotor:?}");
             }
             if !planar.time_to_rest_s().is_some_and(|time_s| time_s < 3.0) {
                 continue;
             }
             rests += 1;
             assert_eq!(rotor.evidence.name(), "periodic_rest", "{planar:?} {rotor:?}");
-            let [one, other] = [&planar, &rotor].map(|one| one.position.as_ref().expect("at rest"));
-            assert!(difference(one, other) < 1e-8, "{planar:?} {rotor:?}");
-            let [one, other] = [&planar, &rotor]
-                .map(|one| one.evidence.rest().and_then(|rest| rest.since_s).expect("at rest"));
-            assert!((one - other).abs() < 1e-6, "{one} {other}");
+            let [flat, turned] =
+                [&planar, &rotor].map(|outcome| outcome.position.as_ref().expect("at rest"));
+            assert!(difference(flat, turned) < 1e-8, "{planar:?} {rotor:?}");
+            let [flat, turned] = [&planar, &rotor].map(|outcome| {
+                outcome.evidence.rest().and_then(|rest| rest.since_s).expect("at rest")
+            });
+            assert!((flat - turned).abs() < 1e-6, "{flat} {turned}");
         }
         assert!(rests >= 4, "{rests} at rest");
     }
@@ -234,9 +227,9 @@ fn runs_of_the_thesis_on_a_rotor() {
         let creeps = |case: &Case| {
             let planar = simulate(case);
             let rotor = rotor.run(&case.start.0, machine.speed_rad_s, case.simulation);
-            let [one, other] =
-                [&planar, &rotor].map(|one| one.position.as_ref().expect("no failure"));
-            assert!(difference(one, other) < 1e-8, "{planar:?} {rotor:?}");
+            let [flat, turned] =
+                [&planar, &rotor].map(|outcome| outcome.position.as_ref().expect("no failure"));
+            assert!(difference(flat, turned) < 1e-8, "{planar:?} {rotor:?}");
             let is_at_rest = planar.evidence.name() == "rest_certified";
             assert_eq!(
                 is_at_rest,

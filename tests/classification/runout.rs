@@ -39,8 +39,8 @@ fn at_rest(machine: &Machine, beta: &[f64]) -> (f64, Vec<f64>) {
     let outward: Vec<_> = beta.iter().map(|beta| Complex::from_polar(1.0, *beta)).collect();
     let places = outward.iter().map(|outward| runout + outward * machine.ring_radius_m);
     let balls = machine.balls.iter().zip(places).map(|(ball, place)| place * ball.mass_kg);
-    let own = Complex::from(machine.imbalance_mass_kg * machine.imbalance_radius_m);
-    let unbalance = own + balls.sum::<Complex<f64>>();
+    let imbalance = Complex::from(machine.imbalance_mass_kg * machine.imbalance_radius_m);
+    let unbalance = imbalance + balls.sum::<Complex<f64>>();
     let stiffness = Complex::new(
         machine.stiffness_n_m - machine.total_mass_kg() * square,
         machine.damping_n_s_m * machine.speed_rad_s,

@@ -22,11 +22,8 @@ fn run(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
 
 /// Simulates with errors far below the speed at which a steep law bends.
 fn run_finely(model: impl Into<Model>, start: &Start, end_time_s: f64) -> Outcome {
-    let simulation = Simulation {
-        end_time_s,
-        tolerance: Tolerance { relative: 1e-12, absolute: 1e-20 },
-        ..Simulation::default()
-    };
+    let tolerance = Tolerance { relative: 1e-12, absolute: 1e-20 };
+    let simulation = Simulation { end_time_s, tolerance, ..Simulation::default() };
     simulate(&Case { model: model.into(), start: start.clone(), simulation })
 }
 
@@ -102,11 +99,11 @@ fn claims_are_stable_equilibria_and_last() {
             assert!(outcome.time_to_rest_s().expect("at rest") <= time);
             let mut sorted = position.clone();
             sorted.sort_by(f64::total_cmp);
-            let stable = |one: &&FrictionlessEquilibrium| one.stability == Stability::Stable;
+            let stable = |rest: &&FrictionlessEquilibrium| rest.stability == Stability::Stable;
             let near = equilibria(&machine)
                 .iter()
                 .filter(stable)
-                .any(|one| apart(one.beta_rad.as_ref().unwrap(), &sorted) < 1e-3);
+                .any(|rest| apart(rest.beta_rad.as_ref().unwrap(), &sorted) < 1e-3);
             assert!(near, "{speed} {sorted:?}");
             let (beta, fastest) = later::<2>(&machine, &start, 10.0 * time);
             assert!(apart(&beta, &position) < 1e-3 && fastest < 1e-9, "{speed} {beta:?} {fastest}");
@@ -138,16 +135,16 @@ fn only_stable_equilibria_are_claimed() {
     for coefficient in [5e-4, 5e-2] {
         for speed in [-150.0, -178.0, -186.0, -216.3772, -309.15] {
             let machine = viscous(speed, 2, coefficient);
-            for one in equilibria(&machine) {
-                let Some(&[first, second]) = one.beta_rad.as_deref() else { panic!("isolated") };
+            for rest in equilibria(&machine) {
+                let Some(&[first, second]) = rest.beta_rad.as_deref() else { panic!("isolated") };
                 for (aside, at_once) in [(0.0, true), (1e-8, true), (1e-5, false)] {
                     let start = resting(&machine, [first + aside, second - 0.7 * aside]);
                     let outcome = run(machine.clone(), &start, 0.2);
                     let claimed = outcome.evidence.name() == "settled";
-                    let stable = one.stability == Stability::Stable;
+                    let stable = rest.stability == Stability::Stable;
                     seen[usize::from(stable)] += 1;
                     if at_once || !stable {
-                        assert_eq!(claimed, stable, "{speed} {one:?} {aside}");
+                        assert_eq!(claimed, stable, "{speed} {rest:?} {aside}");
                     }
                 }
             }
@@ -179,11 +176,11 @@ fn slow_creep_is_not_settled() {
             assert_eq!(outcome.evidence.name(), "settled", "{smoothing_speed}");
         }
         let unstable = equilibria(&viscous(-216.3772, 2, 1.0));
-        let unstable = unstable.iter().filter(|one| one.stability == Stability::Unstable);
-        for one in unstable {
-            let beta = [0, 1].map(|ball| one.beta_rad.as_ref().unwrap()[ball]);
+        let unstable = unstable.iter().filter(|rest| rest.stability == Stability::Unstable);
+        for rest in unstable {
+            let beta = [0, 1].map(|ball| rest.beta_rad.as_ref().unwrap()[ball]);
             let outcome = run_finely(machine.clone(), &resting(&machine, beta), end);
-            assert_eq!(outcome.evidence.name(), "end_time", "{smoothing_speed} {one:?}");
+            assert_eq!(outcome.evidence.name(), "end_time", "{smoothing_speed} {rest:?}");
         }
     }
     for (friction, end) in [
@@ -207,8 +204,8 @@ fn beyond_a_nearby_unstable_equilibrium_nothing_is_claimed() {
         let machine = viscous(speed, 2, 5e-2);
         let found = equilibria(&machine);
         let angle = |kind: &str| {
-            let one = found.iter().find(|one| one.kind.name() == kind)?;
-            Some((one.beta_rad.as_ref()?[0], one.stability))
+            let rest = found.iter().find(|rest| rest.kind.name() == kind)?;
+            Some((rest.beta_rad.as_ref()?[0], rest.stability))
         };
         Some((angle("a1_plus")?, angle("a1_minus")?))
     };
@@ -251,7 +248,7 @@ fn runs_settle_in_families_of_equilibria() {
             assert!(apart(&beta, &outcome.position.unwrap()) < 1e-3);
         }
         let family = equilibria(&machine);
-        let family = family.iter().find(|one| one.family_dimension > 0).expect("balanced");
+        let family = family.iter().find(|rest| rest.family_dimension > 0).expect("balanced");
         let beta: [f64; N] = std::array::from_fn(|ball| family.beta_rad.as_ref().unwrap()[ball]);
         for (coefficient, expected) in [(2e-3, "settled"), (0.0, "end_time")] {
             let machine = viscous(-309.15, N, coefficient);
@@ -313,7 +310,7 @@ fn balls_that_touch_settle_in_a_row() {
         let contact = BallContact { restitution: 0.4, friction_coefficient: 0.0 };
         let machine = Machine { contact: Some(contact), ..viscous(speed, balls, 1e-3) };
         let known = equilibria(&machine);
-        let mut stable = known.iter().filter(|one| one.stability == Stability::Stable);
+        let mut stable = known.iter().filter(|rest| rest.stability == Stability::Stable);
         let row = stable.next().unwrap();
         assert!(stable.next().is_none(), "{known:?}");
         let row = row.beta_rad.clone().unwrap();

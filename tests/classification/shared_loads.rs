@@ -9,7 +9,7 @@ use super::outputs::{cases, outcomes};
 /// Returns the outcomes of a block of 2 kg on a spring and a belt, with these contacts.
 fn pads(belt_speed: &str, contacts: &[&str]) -> Vec<Outcome> {
     let contacts: Vec<String> =
-        contacts.iter().enumerate().map(|(place, one)| format!("  pad_{place}: {one}\n")).collect();
+        contacts.iter().enumerate().map(|(place, pad)| format!("  pad_{place}: {pad}\n")).collect();
     let system = format!(
         "parameters: {{m: 2 kg, k: 200 N/m, n: 20 N, v: {belt_speed}}}\n\
          coordinates: {{x: {{unit: m, start: [-0.1, 0.1], start_rate: [-0.5, 0.5]}}}}\n\
@@ -33,11 +33,11 @@ fn pads_move_as_one(stribeck_speed: &str) {
     );
     let pad = |share: &str| format!("{{normal: {share}, sliding: x' - v, friction: {friction}}}");
     for (belt_speed, evidence) in [("0 m/s", "rest_certified"), ("0.1 m/s", "closed_orbit")] {
-        let one = pads(belt_speed, &[&pad("n")]);
+        let alone = pads(belt_speed, &[&pad("n")]);
         let three = pads(belt_speed, &[&pad("n / 2"), &pad("n / 3"), &pad("n / 6")]);
-        for (one, three) in one.iter().zip(&three) {
+        for (alone, three) in alone.iter().zip(&three) {
             assert_eq!(
-                (one.evidence.name(), three.evidence.name()),
+                (alone.evidence.name(), three.evidence.name()),
                 (evidence, evidence),
                 "{three:?}"
             );
@@ -49,8 +49,8 @@ fn pads_move_as_one(stribeck_speed: &str) {
                 let [least, end, most] = values;
                 [least, end, most, margin, outcome.evidence.period_s().unwrap_or_default()]
             };
-            for (one, three) in values(one).into_iter().zip(values(three)) {
-                assert!((one - three).abs() < 1e-7, "{one} {three}");
+            for (alone, three) in values(alone).into_iter().zip(values(three)) {
+                assert!((alone - three).abs() < 1e-7, "{alone} {three}");
             }
         }
     }
@@ -109,17 +109,18 @@ fn pads_at_two_radii_share_the_load() {
     };
     let speeds = disc([["r * phi'", "n", "vs"], ["r / 2 * phi'", "n", "vs"]]);
     let turned = disc([["phi'", "n * r", "vs / r"], ["phi'", "n * r / 2", "2 * vs / r"]]);
-    for (one, other) in speeds.iter().zip(&turned) {
-        assert_eq!([one.evidence.name(), other.evidence.name()], ["rest_certified"; 2], "{one:?}");
+    for (slid, turned) in speeds.iter().zip(&turned) {
+        let names = [slid, turned].map(|outcome| outcome.evidence.name());
+        assert_eq!(names, ["rest_certified"; 2], "{slid:?}");
         let values = |outcome: &Outcome| {
             [outcome.outputs[0].end, outcome.evidence.friction_margin().expect("sticks")]
         };
-        for (one, other) in values(one).into_iter().zip(values(other)) {
-            assert!((one - other).abs() < 1e-7, "{one} {other}");
+        for (slid, turned) in values(slid).into_iter().zip(values(turned)) {
+            assert!((slid - turned).abs() < 1e-7, "{slid} {turned}");
         }
-        let load = 2.0 * one.outputs[0].end.sin().abs();
+        let load = 2.0 * slid.outputs[0].end.sin().abs();
         let margin = 1.0 - load / (0.5 * 5.0 * (0.1 + 0.05));
-        assert!((values(one)[1] - margin).abs() < 1e-9, "{margin} {one:?}");
+        assert!((values(slid)[1] - margin).abs() < 1e-9, "{margin} {slid:?}");
     }
 }
 
@@ -157,9 +158,9 @@ fn a_block_between_ground_and_belt() {
         let outcomes = block("0.01", contacts);
         for outcome in &outcomes {
             assert_eq!(outcome.evidence.name(), "closed_orbit", "{outcome:?}");
-            let [one, other] =
-                [outcome, &outcomes[0]].map(|one| one.evidence.period_s().expect("a period"));
-            assert!((one - other).abs() < 1e-6, "{one} {other}");
+            let [period, first] = [outcome, &outcomes[0]]
+                .map(|outcome| outcome.evidence.period_s().expect("a period"));
+            assert!((period - first).abs() < 1e-6, "{period} {first}");
         }
     }
 }
@@ -206,7 +207,7 @@ fn a_block_on_two_belts_sticks_and_slips() {
             periods.push(outcome.evidence.period_s().expect("a period"));
         }
     }
-    assert!(periods.iter().all(|one| (one - periods[0]).abs() < 1e-4), "{periods:?}");
+    assert!(periods.iter().all(|period| (period - periods[0]).abs() < 1e-4), "{periods:?}");
 }
 
 /// A motion that spirals slowly into steady sliding is no cycle, however small it has become.

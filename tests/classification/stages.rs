@@ -2,15 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::classification::{
-    Instants, Label, Outcome, RunRecorder, simulate, simulate_recorded,
-};
+use stickslip::classification::{Instants, Label, Outcome, simulate};
 use stickslip::model::{
     Balancer, Ball, BallContact, Case, Kick, Machine, Model, ProfilePart, Ramp, RampShape,
     Simulation, SpeedProfile, Start,
 };
 
-use super::simulate_all::simulate_all;
+use super::recorder::recorded;
 
 fn started(machine: &Machine, over_s: f64, kicks: Vec<Kick>) -> Machine {
     let ramp = Ramp { shape: RampShape::Linear, to_rad_s: None, over_s };
@@ -55,28 +53,6 @@ fn a_machine_that_starts_ends_like_the_time_stepping() {
         }
     }
     assert!(pairs == number && 3 * in_touch >= 2 * number, "{pairs} {in_touch} {number}");
-}
-
-/// A run has the same outcome alone and beside others.
-#[test]
-fn runs_with_stages_are_the_same_in_lockstep() {
-    let kick = |at_s, direction_rad| Kick { at_s, speed_m_s: 0.02, direction_rad };
-    let cases: Vec<Case> = (0..12)
-        .map(|k| {
-            let beta = [0.4 * f64::from(k), 2.0 + 0.7 * f64::from(k)].map(|beta| beta % TAU);
-            let contact = if k % 3 == 0 { None } else { with_contact(0.0).contact };
-            let machine = Machine { contact, ..with_contact(-190.0 - f64::from(k)) };
-            let kicks =
-                if k % 2 == 0 { vec![] } else { vec![kick(1.5, 0.3), kick(2.0, f64::from(k))] };
-            let start = if contact.is_some() { [0.4, 2.0] } else { beta };
-            case(&started(&machine, 0.2 + 0.1 * f64::from(k), kicks), start, 4.0)
-        })
-        .collect();
-    let together = simulate_all(&cases);
-    for (case, together) in cases.iter().zip(&together) {
-        assert_eq!(&simulate(case), together);
-    }
-    assert!(together.iter().any(|outcome| outcome.stages.len() == 4));
 }
 
 /// A table with a row in every instant of a ramp gives the motion of the ramp. The cost is proportional to the rows: with their
@@ -151,11 +127,10 @@ fn the_peak_is_the_largest_amplitude() {
         vec![Kick { at_s: 2.5, speed_m_s: 0.3, direction_rad: 0.0 }],
     );
     let case = case(&machine, [1.0, 4.0], 4.0);
-    let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 20 }, 10_000_000);
-    let outcome = simulate_recorded(&case, &mut recorder);
+    let (outcome, recording) = recorded(&case, Instants::EveryStep { inside: 20 });
     let natural = machine.natural_frequency_rad_s();
     let amplitude = |table: [f64; 4]| table[0].hypot(table[1]) * machine.ring_radius_m;
-    let samples = recorder.finish().samples;
+    let samples = recording.samples;
     for stage in &outcome.stages {
         let within = samples.iter().filter(|sample| {
             (stage.time_s[0]..=stage.time_s[1]).contains(&(sample.time / natural))

@@ -84,7 +84,10 @@ fn the_bird_comes_down_on_a_limit_cycle() {
             assert!((period_s - 0.14600).abs() < 5e-5, "{period_s}");
             let cycle = outcome.evidence.cycle().expect("known");
             assert!((cycle.multipliers[0] + slope).abs() < 1e-4, "{slope} {cycle:?}");
-            assert!(cycle.multipliers[1..].iter().all(|one| *one < 1e-6), "{cycle:?}");
+            assert!(
+                cycle.multipliers[1..].iter().all(|multiplier| *multiplier < 1e-6),
+                "{cycle:?}"
+            );
             assert_eq!(cycle.neutral_directions, 1, "the height");
             // The height is the coordinate of the lower edge of the sleeve.
             let mean = outcome.mean_speed.expect("the bird moves on")[1];

@@ -19,7 +19,8 @@ fn outcomes(name: &str, replaced: &[(&str, &str)]) -> Vec<Outcome> {
 #[test]
 fn a_belt_oscillator_of_a_file_slides_as_often_as_published() {
     let all = outcomes("belt-oscillator.yaml", &[("samples: 4000", "samples: 600")]);
-    let fraction = |label| all.iter().filter(|one| one.label() == label).count() as f64 / 600.0;
+    let fraction =
+        |label| all.iter().filter(|outcome| outcome.label() == label).count() as f64 / 600.0;
     let slides = fraction(Label::Equilibrium);
     assert!((slides - 0.312).abs() < 4.0 * (0.312_f64 * 0.688 / 600.0).sqrt(), "{slides}");
     assert_eq!(fraction(Label::Undecided) + fraction(Label::Failed), 0.0);
@@ -28,7 +29,7 @@ fn a_belt_oscillator_of_a_file_slides_as_often_as_published() {
 /// The balancer with two balls, written as a file, ends as the built-in one does: its normal forces are reactions that contain
 /// accelerations.
 #[test]
-fn a_balancer_of_a_file_ends_as_the_built_in_one() {
+fn a_balancer_of_a_file_ends_as_the_built_one() {
     let mut rests = 0;
     for speed_rad_s in [-160.8103, -216.3772] {
         let machine = Machine { speed_rad_s, ..Machine::default() };
@@ -51,17 +52,18 @@ fn a_balancer_of_a_file_ends_as_the_built_in_one() {
         );
         for (run, written) in cases_of(&parse(text)).into_iter().enumerate() {
             let (model, start) = (machine.clone().into(), written.start.clone());
-            let own = simulate(&Case { model, start, simulation: Simulation::default() });
-            let other = simulate(&written);
+            let built = simulate(&Case { model, start, simulation: Simulation::default() });
+            let written = simulate(&written);
             assert_eq!(
-                own.evidence.name(),
-                other.evidence.name(),
-                "{speed_rad_s} {run}: {own:?} {other:?}"
+                built.evidence.name(),
+                written.evidence.name(),
+                "{speed_rad_s} {run}: {built:?} {written:?}"
             );
-            if own.label() == Label::Equilibrium {
-                let [own, other] = [own, other].map(|one| one.position.expect("positions"));
-                for (own, other) in own.iter().zip(other) {
-                    assert!(angular_distance(*own, other) < 1e-5, "{run}: {own} {other}");
+            if built.label() == Label::Equilibrium {
+                let [built, written] =
+                    [built, written].map(|outcome| outcome.position.expect("positions"));
+                for (built, written) in built.iter().zip(written) {
+                    assert!(angular_distance(*built, written) < 1e-5, "{run}: {built} {written}");
                 }
                 rests += 1;
             }

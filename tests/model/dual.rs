@@ -2,6 +2,8 @@
 
 use stickslip::model::{Dual, FRICTION_LAWS, FrictionLaw, Number};
 
+use crate::support::example_law;
+
 /// Every operation agrees with central differences.
 #[test]
 fn slopes_are_derivatives() {
@@ -20,12 +22,7 @@ fn slopes_are_derivatives() {
 /// The slope of every law is the limit of differences, also where its parameters have special values.
 #[test]
 fn slopes_of_the_friction_laws() {
-    let examples = FRICTION_LAWS.iter().flat_map(|law| {
-        [0, 1].map(|unit| {
-            let values: Vec<f64> = law.parameters().iter().map(|one| one.examples[unit]).collect();
-            FrictionLaw::new(*law, &values)
-        })
-    });
+    let examples = FRICTION_LAWS.iter().flat_map(|law| [0, 1].map(|unit| example_law(*law, unit)));
     let special = [
         FrictionLaw::stribeck(0.8, 0.3),
         FrictionLaw::stribeck(0.8, 0.0),

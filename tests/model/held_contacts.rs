@@ -39,8 +39,8 @@ fn two_balls_lean_on_each_other() {
 fn no_forces_on_a_grid_are_better() {
     let (masses, limits) = ([1.0, 0.6, 1.4], [0.3, 0.2, 0.25]);
     let gaps = [(0, 0.3, 0.15), (1, 0.35, 0.4)].map(|(first, angle, friction)| {
-        let [one, other] = [masses[first], masses[first + 1]];
-        Gap::between_balls([first, first + 1], angle, [one, other], friction)
+        let [behind, ahead] = [masses[first], masses[first + 1]];
+        Gap::between_balls([first, first + 1], angle, [behind, ahead], friction)
     });
     let needs = [[0.5, 0.1, -0.4], [0.2, 0.3, -0.1], [-0.3, -0.2, -0.1], [0.1, 0.4, -0.6]];
     for needed in needs {

@@ -1,9 +1,8 @@
-pub mod closed_forms;
+mod closed_forms;
 mod dual;
 mod existence;
 mod extended_lagrange;
 mod held_contacts;
 mod natural_frequencies;
 mod registry;
-mod rest;
 mod thesis_matrices;

@@ -1,9 +1,8 @@
 //! Natural frequencies and critical speeds of systems in files against closed forms, and those of the Bristol rig.
 
-use std::path::Path;
-
 use stickslip::model::{CampbellDiagram, Model};
-use stickslip::study::Study;
+
+use crate::support::parse;
 
 /// Returns a model of a system.
 fn model(model: &str) -> Model {
@@ -12,8 +11,7 @@ fn model(model: &str) -> Model {
          initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n",
         model.trim().replace('\n', "\n  ")
     );
-    let study = Study::parse(Path::new("a.yaml"), text).unwrap_or_else(|error| panic!("{error}"));
-    study.point(0).model().clone()
+    parse(text).point(0).model().clone()
 }
 
 #[track_caller]
@@ -82,8 +80,7 @@ fn a_tilting_disc_has_the_whirl_of_its_closed_form() {
 /// Sound and Vibration 330 (2011) 385, simulation of the rotor without balls) are critical speeds.
 #[test]
 fn the_rig_has_its_published_resonances() {
-    let rpm =
-        |all: &[f64]| all.iter().map(|one| one * 30.0 / std::f64::consts::PI).collect::<Vec<_>>();
+    let rpm = |all: &[f64]| all.iter().map(|w| w * 30.0 / std::f64::consts::PI).collect::<Vec<_>>();
     for balls in [0, 2] {
         let rotor =
             model(&format!("{{kind: rotor_balancer, parameters: {{number_of_balls: {balls}}}}}"));

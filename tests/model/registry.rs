@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::support::{Block, numbered_contacts, unit_kind};
+use crate::support::{Block, example_law, numbered_contacts, unit_kind};
 use stickslip::model::{
     BallContact, Bound, Capabilities, Components, ContactNames, ContactUnits, Coordinate,
-    DefaultModel, FRICTION_LAWS, Field, FrictionLaw, Kick, Law, MAX_LAW_PARAMETERS, Machine, Model,
-    ModelKind, OwnKind, OwnModel, ParameterDescriptor, ProfilePart, Ramp, RampShape, SlidingSpeed,
+    DefaultModel, FRICTION_LAWS, Field, Kick, MAX_LAW_PARAMETERS, Machine, Model, ModelKind,
+    OwnKind, OwnModel, ParameterDescriptor, ProfilePart, Ramp, RampShape, SlidingSpeed,
     SpeedProfile, System, Units,
 };
 use stickslip::study::{Registry, model_kinds};
@@ -55,11 +55,11 @@ fn parameters_have_fields_of_their_own() {
             let mut model = with_all_parts(kind.default_model());
             *changed.numbers(&mut model, None)[0] = 1234.5;
             let is_changed = |name: &str| {
-                let own = numbers().find(|parameter| parameter.name == name).expect("a number");
-                *own.numbers(&mut model.clone(), None)[0] == 1234.5
+                let number = numbers().find(|parameter| parameter.name == name).expect("a number");
+                *number.numbers(&mut model.clone(), None)[0] == 1234.5
             };
             let all: Vec<&str> =
-                numbers().map(|one| one.name).filter(|name| is_changed(name)).collect();
+                numbers().map(|parameter| parameter.name).filter(|name| is_changed(name)).collect();
             assert_eq!(all, [changed.name], "{kind:?}");
         }
     }
@@ -70,14 +70,15 @@ fn parameters_have_fields_of_their_own() {
 fn names_are_unique_and_have_units() {
     let endings = "kg=_kg, kg/m3=_kg_m3, kg m=_kg_m, m=_m, s=_s, rad=_rad, N/m=_n_m, N s/m=_n_s_m, \
                    N=_n, rad/s=_rad_s, m/s=_m_s, 1/s=_1_s, m/s2=_m_s2, kg m2=_kg_m2";
-    let endings: Vec<_> = endings.split(", ").filter_map(|one| one.split_once('=')).collect();
+    let endings: Vec<_> = endings.split(", ").filter_map(|pair| pair.split_once('=')).collect();
     for kind in model_kinds().iter().copied() {
         for law in FRICTION_LAWS {
-            let own = kind.parameters.iter().map(|one| (one.name, one.unit));
+            let of_kind = kind.parameters.iter().map(|parameter| (parameter.name, parameter.unit));
             let of_law = law.parameters().iter();
-            let of_law =
-                of_law.map(|one| (one.name(kind.sliding_speed), one.unit(kind.sliding_speed)));
-            let mut all: Vec<(&str, &str)> = own.chain(of_law).collect();
+            let of_law = of_law.map(|parameter| {
+                (parameter.name(kind.sliding_speed), parameter.unit(kind.sliding_speed))
+            });
+            let mut all: Vec<(&str, &str)> = of_kind.chain(of_law).collect();
             for (name, unit) in &all {
                 let ending = endings.iter().find(|(known, _)| known == unit);
                 match ending {
@@ -93,11 +94,6 @@ fn names_are_unique_and_have_units() {
     }
 }
 
-fn example(law: &'static dyn Law, unit: usize) -> FrictionLaw {
-    let values: Vec<f64> = law.parameters().iter().map(|one| one.examples[unit]).collect();
-    FrictionLaw::new(law, &values)
-}
-
 /// The example of each law is valid in each kind of model, and its force has the properties that the law states.
 #[test]
 fn laws_are_what_they_state() {
@@ -106,10 +102,10 @@ fn laws_are_what_they_state() {
         for kind in model_kinds().iter().copied() {
             let unit = usize::from(kind.sliding_speed == SlidingSpeed::MS);
             let mut model = kind.default_model();
-            *model.friction_mut() = example(law, unit);
+            *model.friction_mut() = example_law(law, unit);
             assert_eq!(model.validate(), Ok(()), "{kind:?} with {}", law.name());
         }
-        let values = example(law, 1);
+        let values = example_law(law, 1);
         let friction = values.contact(0.1, 1.0, 1.0);
         let name = law.name();
         assert_eq!(law.can_stick(), friction.limit > 0.0, "{name}");
@@ -128,9 +124,9 @@ fn laws_are_what_they_state() {
             assert_eq!(at.signed_friction, -opposite.signed_friction, "{name}");
             assert_eq!(at.drag, -opposite.drag, "{name}");
             // A linear law is a fixed ratio and a drag in proportion to speed.
-            let [one, two] = [0.01, 0.02].map(force);
-            let linear = one.signed_friction == two.signed_friction
-                && (2.0 * one.drag - two.drag).abs() <= 1e-15;
+            let [slow, fast] = [0.01, 0.02].map(force);
+            let linear = slow.signed_friction == fast.signed_friction
+                && (2.0 * slow.drag - fast.drag).abs() <= 1e-15;
             assert_eq!(values.is_linear(0.1), linear, "{name}");
         }
         let unused = values.contact(0.3, 1.0, 1.0);

@@ -1,23 +1,18 @@
 //! Motions while the speed of the disc changes: energy balance with the motor's work, closed forms, an independent
 //! integration, and the classical result for the passage through resonance.
-//!
-//! With the acceleration `α` of the disc the motor's moment of [`super::conservation`] becomes
-//!
-//! ```text
-//! τ = m_I e (a_y + e α) + Σ m [ c a_y - s a_x + β̈ + α + J d (d α - 2 β̈) ]
-//! ```
 
 use std::f64::consts::TAU;
 
-use stickslip::classification::{Instants, RecordedRun, RunRecorder, simulate, simulate_recorded};
+use stickslip::classification::{Instants, RecordedRun, simulate};
 use stickslip::model::{
-    Balancer, Ball, BallContact, Case, Machine, Method, Model, ProfilePart, Ramp, RampShape,
-    Simulation, SpeedProfile, Stage, Start, State,
+    Balancer, Ball, BallContact, Case, Forces, Machine, Method, Model, ProfilePart, Ramp,
+    RampShape, Simulation, SpeedProfile, Stage, Start, State,
 };
 use stickslip::motion::{Motion, Phase, Tolerance};
 
-use super::conservation::energy;
+use super::conservation::{energy, powers};
 use super::samples::GAUSS;
+use crate::classification::recorder::recorded;
 use crate::support::settings;
 
 /// Parts of a step over which Gauss's rule is applied.
@@ -63,37 +58,23 @@ impl<const N: usize> Turning<N> {
 
     /// Returns the power of dampers, friction and motor.
     fn power(&self, motion: &Motion, phases: &[Phase], state: &[f64]) -> f64 {
-        let Balancer { speed, acceleration, damping_ratio, imbalance, runout, balls } =
-            &self.balancer;
+        let Balancer { speed, acceleration, runout, .. } = self.balancer;
         let alpha = acceleration.expect("an acceleration");
-        let own: State<N> = State::of_components(&state[..4 + 2 * N]).expect("components");
-        let ([x, y], [x_dot, y_dot]) = (own.position, own.velocity);
+        let now: State<N> = State::of_components(&state[..4 + 2 * N]).expect("components");
+        let ([x, y], [x_dot, y_dot]) = (now.position, now.velocity);
         let rates = motion.evaluator().rates(phases, state);
-        let a_x = rates[2] - 2.0 * speed * y_dot - speed * speed * x - alpha * y;
-        let a_y = rates[3] + 2.0 * speed * x_dot - speed * speed * y + alpha * x;
-        let forces = motion.evaluator().forces(phases, state);
-        let radius = self.machine.imbalance_radius_m / self.machine.ring_radius_m;
-        let (v_x, v_y) = (x_dot - speed * y, y_dot + speed * x);
-        let mut friction = 0.0;
-        let mut moment = imbalance * (a_y + radius * alpha);
-        let [e_x, e_y] = runout.unwrap_or_default();
+        let of_balls = motion.evaluator().forces(phases, state);
         // The acceleration of the ring's centre.
-        let a_x = a_x - speed * speed * e_x - alpha * e_y;
-        let a_y = a_y - speed * speed * e_y + alpha * e_x;
-        for (i, ball) in balls.iter().enumerate() {
-            let (s, c) = own.beta[i].sin_cos();
-            let d = ball.diameter;
-            let rolls = forces[i].acceleration;
-            let spin = ball.inertia * d * (d * alpha - 2.0 * rolls);
-            moment += ball.mass * (c * a_y - s * a_x + rolls + alpha + spin);
-            // The rest of the moment about the disc's centre, of the ball's acceleration.
-            let (rate, along) = (speed + own.beta_dot[i], rolls + alpha);
-            let b_x = a_x - along * s - rate * rate * c;
-            let b_y = a_y + along * c - rate * rate * s;
-            moment += ball.mass * (e_x * b_y - e_y * b_x);
-            friction += ball.mass * forces[i].friction * own.beta_dot[i];
-        }
-        speed * moment - 2.0 * damping_ratio * (v_x * v_x + v_y * v_y) - friction
+        let [e_x, e_y] = runout.unwrap_or_default();
+        let a_x = rates[2] - 2.0 * speed * y_dot - speed * speed * (x + e_x) - alpha * (y + e_y);
+        let a_y = rates[3] + 2.0 * speed * x_dot - speed * speed * (y + e_y) + alpha * (x + e_x);
+        let forces = Forces {
+            table_acceleration: [a_x, a_y],
+            beta_ddot: std::array::from_fn(|ball| of_balls[ball].acceleration),
+            normal: std::array::from_fn(|ball| of_balls[ball].normal),
+            friction: std::array::from_fn(|ball| of_balls[ball].friction),
+        };
+        powers(&self.machine, &self.balancer, &now, &forces).iter().sum()
     }
 }
 
@@ -121,9 +102,9 @@ fn the_motors_work_accounts_for_the_energy_through_a_ramp() {
         let end = over_s * machine.natural_frequency_rad_s();
         let at = |time: f64| Turning::<2>::at(&machine, time);
         let energy_at = |time: f64, state: &[f64]| {
-            let own = State::of_components(&state[..8]).expect("components");
+            let state = State::of_components(&state[..8]).expect("components");
             let turning = at(time);
-            energy(&turning.machine, &turning.balancer, &own)
+            energy(&turning.machine, &turning.balancer, &state)
         };
         let (mut work, begun) = (0.0, energy_at(0.0, &motion.state()));
         let (mut stuck, mut slipped) = (0, 0);
@@ -148,16 +129,14 @@ fn the_motors_work_accounts_for_the_energy_through_a_ramp() {
     }
 }
 
-fn recorded(machine: &Machine, start: &Start, end_time_s: f64, times: Vec<f64>) -> RecordedRun {
+fn at_times(machine: &Machine, start: &Start, end_time_s: f64, times: Vec<f64>) -> RecordedRun {
     let simulation = Simulation {
         end_time_s,
         tolerance: Tolerance { relative: 1e-11, absolute: 1e-13 },
         ..Simulation::default()
     };
     let case = Case { model: machine.clone().into(), start: start.clone(), simulation };
-    let mut recorder = RunRecorder::new(Instants::At(times), 1_000_000);
-    simulate_recorded(&case, &mut recorder);
-    recorder.finish()
+    recorded(&case, Instants::At(times)).1
 }
 
 /// A ramp from a speed to the same speed gives the motion at constant speed.
@@ -171,20 +150,23 @@ fn a_ramp_without_acceleration_changes_nothing() {
         let natural = machine.natural_frequency_rad_s();
         let times: Vec<f64> = (0..60).map(f64::from).collect();
         let end_time_s = 60.0 / natural;
-        let constant = recorded(&machine, &start, end_time_s, times.clone());
+        let constant = at_times(&machine, &start, end_time_s, times.clone());
         for shape in [RampShape::Linear, RampShape::Smooth] {
             let ramp = with_ramp(&machine, shape, speed, speed, 0.6 * end_time_s);
-            let found = recorded(&ramp, &start, end_time_s, times.clone());
+            let found = at_times(&ramp, &start, end_time_s, times.clone());
             assert_eq!((found.samples.len(), constant.samples.len()), (60, 60));
-            for (one, other) in found.samples.iter().zip(&constant.samples) {
-                let [one_table, other_table] =
-                    [one, other].map(|sample| sample.table.expect("a table"));
-                for (one, other) in one_table.iter().zip(other_table) {
-                    assert!((one - other).abs() < 1e-12, "{one} {other}");
+            for (ramped, steady) in found.samples.iter().zip(&constant.samples) {
+                let [ramped_table, steady_table] =
+                    [ramped, steady].map(|sample| sample.table.expect("a table"));
+                for (ramped, steady) in ramped_table.iter().zip(steady_table) {
+                    assert!((ramped - steady).abs() < 1e-12, "{ramped} {steady}");
                 }
-                for (one, other) in one.contacts.iter().zip(&other.contacts) {
-                    assert!((one.position - other.position).abs() < 1e-12, "{one:?} {other:?}");
-                    assert!((one.speed - other.speed).abs() < 1e-12, "{one:?} {other:?}");
+                for (ramped, steady) in ramped.contacts.iter().zip(&steady.contacts) {
+                    assert!(
+                        (ramped.position - steady.position).abs() < 1e-12,
+                        "{ramped:?} {steady:?}"
+                    );
+                    assert!((ramped.speed - steady.speed).abs() < 1e-12, "{ramped:?} {steady:?}");
                 }
             }
         }
@@ -228,12 +210,12 @@ fn in_the_frame_at_rest(
         let add = |by: f64, rates: [f64; 4]| {
             std::array::from_fn(|component| state[component] + by * rates[component])
         };
-        let one = rate(time, state);
-        let two = rate(time + 0.5 * step, add(0.5 * step, one));
-        let three = rate(time + 0.5 * step, add(0.5 * step, two));
-        let four = rate(time + step, add(step, three));
+        let k1 = rate(time, state);
+        let k2 = rate(time + 0.5 * step, add(0.5 * step, k1));
+        let k3 = rate(time + 0.5 * step, add(0.5 * step, k2));
+        let k4 = rate(time + step, add(step, k3));
         state = std::array::from_fn(|k| {
-            state[k] + step / 6.0 * (one[k] + 2.0 * (two[k] + three[k]) + four[k])
+            state[k] + step / 6.0 * (k1[k] + 2.0 * (k2[k] + k3[k]) + k4[k])
         });
     }
     found
@@ -262,7 +244,7 @@ fn the_run_up_through_resonance_agrees_with_an_independent_integration() {
         let expected = in_the_frame_at_rest(&balancer, angle, (step, steps, every));
         let times = (0..expected.len()).map(|k| k as f64 * step * every as f64).collect();
         let start = Start::of_balancer([0.0; 2], &[0.0], [0.0; 2], &[0.0]);
-        let found = recorded(&machine, &start, 1.6 * over_s, times);
+        let found = at_times(&machine, &start, 1.6 * over_s, times);
         assert_eq!(found.samples.len(), expected.len());
         let largest = expected.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
         for (sample, [x, y]) in found.samples.iter().zip(&expected) {

@@ -9,18 +9,19 @@
 //!
 //! ```text
 //! dE/dt = -2ζ |v|² - Σ m f_w β̇ + ω τ
-//! τ = m_I e a_y + Σ m [ c a_y - s a_x + β̈ - 2 J d β̈ ]
+//! τ = m_I e (a_y + e α) + Σ m [ c a_y - s a_x + β̈ + α + J d (d α - 2 β̈) ]
 //! ```
 //!
+//! with the acceleration `α` of the disc.
 //! A ring with the runout `ε` has the acceleration `a - ω² ε` in the balls' terms, and `τ` gains the moment `Σ m ε × b` of
 //! their accelerations `b`.
 
 use std::sync::Arc;
 
-use stickslip::model::{Balancer, Contact, FrictionLaw, Machine, Method, State, System};
+use stickslip::model::{Balancer, Forces, FrictionLaw, Machine, Method, State, System};
 use stickslip::motion::{Failure, Motion, Phase};
 
-use super::samples::{Sampler, settings};
+use super::samples::{GAUSS, Sampler, settings};
 use crate::support::{for_each_kernel, reference, state_of};
 
 pub(super) fn energy<const N: usize>(
@@ -51,46 +52,36 @@ pub(super) fn energy<const N: usize>(
     sum
 }
 
-/// Returns the power of dampers, friction and motor.
-fn powers<const N: usize>(
+/// Returns the power of dampers, friction and motor, also while the speed of the disc changes.
+pub(super) fn powers<const N: usize>(
     machine: &Machine,
     balancer: &Balancer<N>,
     state: &State<N>,
-    contacts: &[Contact; N],
+    forces: &Forces<N>,
 ) -> [f64; 3] {
-    let omega = balancer.speed;
+    let (omega, alpha) = (balancer.speed, balancer.acceleration.unwrap_or(0.0));
     let ([x, y], [x_dot, y_dot]) = (state.position, state.velocity);
-    let forces = balancer.forces(state, contacts);
     let [a_x, a_y] = forces.table_acceleration;
     let [e_x, e_y] = balancer.runout.unwrap_or_default();
     let (v_x, v_y) = (x_dot - omega * y, y_dot + omega * x);
     let (mut friction, mut moment) = (0.0, 0.0);
     for (i, ball) in balancer.balls.iter().enumerate() {
         let (s, c) = state.beta[i].sin_cos();
-        let angular = forces.beta_ddot[i];
+        let (d, rolls) = (ball.diameter, forces.beta_ddot[i]);
         friction -= ball.mass * forces.friction[i] * state.beta_dot[i];
-        moment += ball.mass
-            * (c * a_y - s * a_x + angular - 2.0 * ball.inertia * ball.diameter * angular);
+        let spin = ball.inertia * d * (d * alpha - 2.0 * rolls);
+        moment += ball.mass * (c * a_y - s * a_x + rolls + alpha + spin);
         // The rest of the moment about the disc's centre, of the ball's acceleration.
-        let round = omega + state.beta_dot[i];
-        let b_x = a_x - angular * s - round * round * c;
-        let b_y = a_y + angular * c - round * round * s;
+        let (round, along) = (omega + state.beta_dot[i], rolls + alpha);
+        let b_x = a_x - along * s - round * round * c;
+        let b_y = a_y + along * c - round * round * s;
         moment += ball.mass * (e_x * b_y - e_y * b_x);
     }
     let arm = machine.imbalance_radius_m / machine.ring_radius_m;
     // The forces contain the acceleration of the ring's centre.
-    let table_a_y = a_y + omega * omega * e_y;
-    moment += machine.imbalance_mass_kg / machine.total_mass_kg() * arm * table_a_y;
+    let table_a_y = a_y + omega * omega * e_y - alpha * e_x;
+    moment += balancer.imbalance * (table_a_y + arm * alpha);
     [-2.0 * balancer.damping_ratio * (v_x * v_x + v_y * v_y), friction, omega * moment]
-}
-
-/// Returns nodes and weights of Gauss's rule with four points on [0, 1].
-fn gauss() -> [(f64, f64); 4] {
-    let root = 1.2_f64.sqrt();
-    let (inner, outer) = (((3.0 - 2.0 * root) / 7.0).sqrt(), ((3.0 + 2.0 * root) / 7.0).sqrt());
-    let (more, less) = ((18.0 + 30_f64.sqrt()) / 72.0, (18.0 - 30_f64.sqrt()) / 72.0);
-    [(-outer, less), (-inner, more), (inner, more), (outer, less)]
-        .map(|(node, weight)| (0.5 + 0.5 * node, weight))
 }
 
 /// Returns the change of energy, and the work of dampers, friction and motor along a motion.
@@ -109,20 +100,15 @@ fn balance<const N: usize>(
         let phases = motion.phases().to_vec();
         motion.advance(20_f64.min(time + 0.2))?;
         let length = motion.time() - time;
-        let contacts = |s: &State<N>| reference::contacts(balancer, &phases, s);
-        let f = |s: &State<N>| {
-            let contacts = contacts(s);
-            balancer.derivative(s, &contacts, &balancer.forces(s, &contacts))
-        };
-        for (node, weight) in gauss() {
+        let f = |state: &State<N>| reference::derivative(balancer, &phases, state);
+        for (node, weight) in GAUSS {
             let inside = reference::step(f, &state, node * length);
-            let contacts = contacts(&inside);
-            let powers = powers(machine, balancer, &inside, &contacts);
+            let forces = reference::forces(balancer, &phases, &inside);
+            let powers = powers(machine, balancer, &inside, &forces);
             for (work, power) in work.iter_mut().zip(powers) {
                 *work += weight * length * power;
             }
             // Friction never does positive work, and none in stick, ball by ball.
-            let forces = balancer.forces(&inside, &contacts);
             for (ball, &phase) in phases.iter().enumerate() {
                 let power = -forces.friction[ball] * inside.beta_dot[ball];
                 let limit = balancer.balls[ball].friction.limit * forces.normal[ball];

@@ -8,8 +8,9 @@ use stickslip::model::{
 };
 use stickslip::motion::{Evaluator, ImpactPlace, Motion, Phase, Settings};
 
+use super::impacts::kinetic;
 use super::samples::Sampler;
-use crate::support::{go_on, rest_margin, settings};
+use crate::support::{METHODS, go_on, rest_margin, settings};
 
 fn touching(machine: &Machine, restitution: f64, friction_coefficient: f64) -> Machine {
     Machine { contact: Some(BallContact { restitution, friction_coefficient }), ..machine.clone() }
@@ -26,7 +27,7 @@ fn started(machine: &Machine, start: &Start, settings: Settings) -> Motion {
 fn widths(machine: &Machine, state: &[f64]) -> Vec<f64> {
     let balls = machine.balls.len();
     let mut order: Vec<usize> = (0..balls).collect();
-    order.sort_by(|one, other| state[4 + one].total_cmp(&state[4 + other]));
+    order.sort_by(|a, b| state[4 + a].total_cmp(&state[4 + b]));
     let width = |place: usize| {
         let (behind, ahead) = (order[place], order[(place + 1) % balls]);
         let angle = machine.contact_angle_rad(&machine.balls[behind], &machine.balls[ahead]);
@@ -39,14 +40,14 @@ fn widths(machine: &Machine, state: &[f64]) -> Vec<f64> {
 fn apart(machine: &Machine, sampler: &mut Sampler) -> Start {
     let balls = &machine.balls;
     let angle =
-        |one: usize| machine.contact_angle_rad(&balls[one], &balls[(one + 1) % balls.len()]);
+        |ball: usize| machine.contact_angle_rad(&balls[ball], &balls[(ball + 1) % balls.len()]);
     let all: f64 = (0..balls.len()).map(angle).sum();
     let first = sampler.between(0.0, TAU);
     let mut offsets: Vec<f64> = (1..balls.len()).map(|_| sampler.between(0.0, TAU)).collect();
     offsets.sort_by(f64::total_cmp);
     let (mut beta, mut taken) = (vec![first], 0.0);
-    for (one, offset) in offsets.iter().enumerate() {
-        taken += angle(one);
+    for (ball, offset) in offsets.iter().enumerate() {
+        taken += angle(ball);
         beta.push((first + offset * (1.0 - all / TAU) + taken).rem_euclid(TAU));
     }
     let mut near = || [(); 2].map(|()| sampler.between(-0.05, 0.05));
@@ -86,49 +87,6 @@ fn running_pairs_stay_in_touch_at_the_known_speeds() {
             assert!((mean - expected).abs() < 0.03, "{speed_rad_s} {friction}: {mean}");
         }
     }
-}
-
-/// Half of the kinetic energy's quadratic form, with the speeds of table and balls: `½ |ż + iωz|²` and the balls' own.
-/// Energies differ by the same amount in every impact, whatever the springs hold.
-fn kinetic(machine: &Machine, state: &[f64]) -> f64 {
-    let natural = machine.natural_frequency_rad_s();
-    let total = machine.total_mass_kg();
-    let omega = machine.speed_rad_s / natural;
-    let balls = machine.balls.len();
-    let centre = [state[2] - omega * state[1], state[3] + omega * state[0]];
-    let moving = |mass: f64, [x, y]: [f64; 2]| 0.5 * mass * (x * x + y * y);
-    let arm = omega * machine.imbalance_radius_m / machine.ring_radius_m;
-    let mut sum = moving(machine.table_mass_kg / total, centre)
-        + moving(machine.imbalance_mass_kg / total, [centre[0], centre[1] + arm]);
-    for (i, ball) in machine.balls.iter().enumerate() {
-        let (s, c) = state[4 + i].sin_cos();
-        let (speed, mass) = (state[4 + balls + i], ball.mass_kg / total);
-        let round = omega + speed;
-        sum += moving(mass, [centre[0] - round * s, centre[1] + round * c]);
-        let spin = ball.diameter_m / machine.ring_radius_m * omega - 2.0 * speed;
-        sum += 0.5 * 0.1 * mass * spin * spin;
-    }
-    sum
-}
-
-/// The moment that the motor needs during an impact does work on the turning disc: `ω` times the change of the angular
-/// momentum about the centre of everything that turns.
-fn motor_work(machine: &Machine, before: &[f64], after: &[f64]) -> f64 {
-    let natural = machine.natural_frequency_rad_s();
-    let total = machine.total_mass_kg();
-    let balls = machine.balls.len();
-    let omega = machine.speed_rad_s / natural;
-    let jump = |place: usize| after[place] - before[place];
-    let arm = machine.imbalance_radius_m / machine.ring_radius_m;
-    let mut moment = machine.imbalance_mass_kg / total * arm * jump(3);
-    for (i, ball) in machine.balls.iter().enumerate() {
-        let (s, c) = before[4 + i].sin_cos();
-        let turned = jump(4 + balls + i);
-        let diameter = ball.diameter_m / machine.ring_radius_m;
-        let mass = ball.mass_kg / total;
-        moment += mass * (c * jump(3) - s * jump(2) + turned - 2.0 * 0.1 * diameter * turned);
-    }
-    omega * moment
 }
 
 /// Each impact of balls without friction loses `½ (1 - e²) ġ² / (wᵀ M⁻¹ w)`, and with `e = 1` nothing, to 1e-12.
@@ -182,9 +140,8 @@ fn impacts_lose_the_energy_of_the_closed_form() {
             let answer =
                 response[speeds + gap.contacts[1]].value - response[speeds + gap.contacts[0]].value;
             let lost = 0.5 * (1.0 - restitution * restitution) * approach * approach / answer;
-            let change = kinetic(&machine, &after) - kinetic(&machine, &before);
-            let found = motor_work(&machine, &before, &after) - change;
             let scale = kinetic(&machine, &before);
+            let found = scale - kinetic(&machine, &after);
             assert!((found - lost).abs() < 1e-12 * scale, "{seed}: {found:e}, not {lost:e}");
             impacts += 1;
             rest += i32::from(restitution == 1.0);
@@ -205,7 +162,7 @@ fn until_the_first_impact_nothing_changes() {
         let start = apart(&machine, &mut sampler);
         let method = [Method::Switch, Method::Event][(seed % 2) as usize];
         let [mut with, mut without] =
-            [&machine, &alone].map(|one| started(one, &start, settings(method, 1e-8)));
+            [&machine, &alone].map(|machine| started(machine, &start, settings(method, 1e-8)));
         let mut met = false;
         while with.time() < 200.0 && !met {
             let resets = with.advance(200.0).expect("continues");
@@ -336,8 +293,8 @@ fn results_converge_as_the_threshold_of_lasting_contact_vanishes() {
     let exact = ends(1e-7);
     let error = |threshold: f64| {
         let pairs = ends(threshold).into_iter().zip(&exact);
-        let angles =
-            pairs.map(|(one, other)| (one[4] - other[4]).abs().max((one[5] - other[5]).abs()));
+        let angles = pairs
+            .map(|(found, exact)| (found[4] - exact[4]).abs().max((found[5] - exact[5]).abs()));
         let mut angles: Vec<f64> = angles.collect();
         angles.sort_by(f64::total_cmp);
         angles[angles.len() / 2]
@@ -346,7 +303,7 @@ fn results_converge_as_the_threshold_of_lasting_contact_vanishes() {
     assert!(errors[3] < 1e-5 && errors[3] < 0.1 * errors[0], "{errors:?}");
 }
 
-/// Exchanging balls, and the mirror image, give the exchanged and the mirrored motion.
+/// Exchanging balls, and the mirror image, give the exchanged and the mirrored motion, with and without contact.
 #[test]
 fn exchanged_and_mirrored_motions() {
     for seed in 0..12 {
@@ -358,18 +315,23 @@ fn exchanged_and_mirrored_motions() {
         let mirror = |angle: f64| TAU - angle;
         let mirrored =
             Start::of_balancer([x, -y], &[mirror(b1), mirror(b2)], [x_dot, -y_dot], &[-v1, -v2]);
-        let back = Machine { speed_rad_s: -machine.speed_rad_s, ..machine.clone() };
-        let settings = settings(Method::Switch, 1e-11);
-        let mut one = started(&machine, &start, settings);
-        let mut other = started(&machine, &exchanged, settings);
-        let mut image = started(&back, &mirrored, settings);
-        for motion in [&mut one, &mut other, &mut image] {
-            go_on(motion, 25.0);
-        }
-        let (one, other, image) = (one.unwrapped(), other.unwrapped(), image.unwrapped());
-        for ball in 0..2 {
-            assert!((one[ball] - other[1 - ball]).abs() < 1e-7, "{seed}: {one:?} {other:?}");
-            assert!((one[ball] + image[ball] - TAU).abs() < 1e-7, "{seed}: {one:?} {image:?}");
+        for (method, contact) in
+            METHODS.into_iter().flat_map(|method| [(method, machine.contact), (method, None)])
+        {
+            let machine = Machine { contact, ..machine.clone() };
+            let back = Machine { speed_rad_s: -machine.speed_rad_s, ..machine.clone() };
+            let after = |machine: &Machine, start: &Start| {
+                let mut motion = started(machine, start, settings(method, 1e-11));
+                go_on(&mut motion, 25.0);
+                motion.unwrapped()
+            };
+            let straight = after(&machine, &start);
+            let (other, image) = (after(&machine, &exchanged), after(&back, &mirrored));
+            for ball in 0..2 {
+                let exchange = (straight[ball] - other[1 - ball]).abs();
+                let reflection = (straight[ball] + image[ball] - TAU).abs();
+                assert!(exchange < 1e-7 && reflection < 1e-7, "{seed}: {exchange} {reflection}");
+            }
         }
     }
 }

@@ -23,8 +23,8 @@ fn energy<const N: usize>(balancer: &Balancer<N>, state: &[f64]) -> f64 {
         - square * balancer.imbalance * x;
     for (i, ball) in balancer.balls.iter().enumerate() {
         let ((s, c), speed) = (state[4 + i].sin_cos(), state[4 + N + i]);
-        let own = (c * y_dot - s * x_dot) * speed + 0.5 * speed * speed / ball.mobility;
-        sum += ball.mass * (own - square * (x * c + y * s));
+        let kinetic = (c * y_dot - s * x_dot) * speed + 0.5 * speed * speed / ball.mobility;
+        sum += ball.mass * (kinetic - square * (x * c + y * s));
     }
     sum
 }
@@ -42,11 +42,11 @@ fn powers<const N: usize>(
     let (forces, gaps) = motion.evaluator().incremental_forces(state).forces_and_gaps(phases);
     let speed = |ball: usize| state[4 + N + ball];
     let ring = balancer.balls.iter().zip(&forces).enumerate();
-    let ring: f64 = ring.map(|(i, (ball, own))| ball.mass * own.friction * speed(i)).sum();
+    let ring: f64 = ring.map(|(i, (ball, forces))| ball.mass * forces.friction * speed(i)).sum();
     let touching = motion.evaluator().system().touching().expect("gaps");
-    let between = touching.gaps().iter().zip(&gaps).map(|(gap, own)| {
+    let between = touching.gaps().iter().zip(&gaps).map(|(gap, force)| {
         let [behind, ahead] = gap.contacts;
-        gap.lever * gap.friction_coefficient * own.force * (speed(behind) + speed(ahead)).abs()
+        gap.lever * gap.friction_coefficient * force.force * (speed(behind) + speed(ahead)).abs()
     });
     [-2.0 * balancer.damping_ratio * against, -ring, -between.sum::<f64>()]
 }

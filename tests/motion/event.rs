@@ -79,18 +79,18 @@ fn creep_does_not_chatter() {
     let margin = |beta: f64| rest_margin(&balancer, &[beta, beta]);
     let (mut edges, mut creeping) = (0, [0; 2]);
     for k in 0..628 {
-        let (mut one, mut other) = (0.01 * f64::from(k), 0.01 * f64::from(k + 1));
-        if (margin(one) > 0.0) == (margin(other) > 0.0) {
+        let (mut low, mut high) = (0.01 * f64::from(k), 0.01 * f64::from(k + 1));
+        if (margin(low) > 0.0) == (margin(high) > 0.0) {
             continue;
         }
-        let inside_first = margin(one) > 0.0;
-        while 0.5 * (one + other) != one && 0.5 * (one + other) != other {
-            let middle = 0.5 * (one + other);
-            if (margin(middle) > 0.0) == inside_first { one = middle } else { other = middle }
+        let inside_first = margin(low) > 0.0;
+        while 0.5 * (low + high) != low && 0.5 * (low + high) != high {
+            let middle = 0.5 * (low + high);
+            if (margin(middle) > 0.0) == inside_first { low = middle } else { high = middle }
         }
         edges += 1;
         for offset in [0.0, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6] {
-            let beta = [one + offset; 2];
+            let beta = [low + offset; 2];
             let position = balancer.rest_point(&beta).position;
             let state = State { position, velocity: [0.0; 2], beta, beta_dot: [0.0; 2] };
             let switch = Settings { band: 1e-4, ..settings(Method::Switch, 1e-9) };

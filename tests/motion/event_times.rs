@@ -179,12 +179,12 @@ fn two_events_in_one_step_may_come_in_either_order() {
                 let [first, second] = ends.each_ref().map(state_of::<2, 2>);
                 let pairs =
                     [(first.beta[0], second.beta[1]), (first.beta_dot[1], second.beta_dot[0])];
-                for (one, other) in pairs {
+                for (found, expected) in pairs {
                     let same = match kernel {
-                        0 => one.to_bits() == other.to_bits(),
-                        _ => (one - other).abs() < 1e-12,
+                        0 => found.to_bits() == expected.to_bits(),
+                        _ => (found - expected).abs() < 1e-12,
                     };
-                    assert!(same, "{seed} {apart:e}: {one:?} {other:?} {system:?}");
+                    assert!(same, "{seed} {apart:e}: {found:?} {expected:?} {system:?}");
                 }
             }
         }

@@ -34,12 +34,12 @@ fn in_a_row(machine: &Machine, first: f64, speeds: &[f64]) -> (Arc<dyn System>, 
 }
 
 /// The kinetic energy in the turning frame, in which the disc does no work.
-fn kinetic(machine: &Machine, state: &[f64]) -> f64 {
+pub fn kinetic(machine: &Machine, state: &[f64]) -> f64 {
     let (number, x_dot, y_dot) = (machine.balls.len(), state[2], state[3]);
     let balls = machine.balls.iter().enumerate().map(|(i, ball)| {
         let ((s, c), speed) = (state[4 + i].sin_cos(), state[4 + number + i]);
-        let own = (c * y_dot - s * x_dot) * speed + 0.5 * 1.4 * speed * speed;
-        ball.mass_kg / machine.total_mass_kg() * own
+        let of_ball = (c * y_dot - s * x_dot) * speed + 0.5 * 1.4 * speed * speed;
+        ball.mass_kg / machine.total_mass_kg() * of_ball
     });
     0.5 * (x_dot * x_dot + y_dot * y_dot) + balls.sum::<f64>()
 }
@@ -60,7 +60,7 @@ fn random_impacts(sampler: &mut Sampler, number: usize, balls: usize) -> [usize;
         let mut speeds: Vec<f64> = (0..balls).map(|_| sampler.between(-1.0, 1.0)).collect();
         if sampler.between(0.0, 1.0) < 0.7 {
             // All gaps close.
-            speeds.sort_by(|one, other| other.total_cmp(one));
+            speeds.sort_by(|a, b| b.total_cmp(a));
         }
         let (system, before) = in_a_row(&machine, sampler.between(0.0, TAU), &speeds);
         let motion = match Motion::new(&system, settings(Method::Switch, 1e-8), &before) {

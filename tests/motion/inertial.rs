@@ -166,8 +166,8 @@ fn forces_agree_in_every_frame() {
         let a_x = forces.table_acceleration[0] + square * e_x;
         let a_y = forces.table_acceleration[1] + square * e_y;
         let scale = 1e-11 * (1.0 + balancer.speed * balancer.speed);
-        let close = |one: f64, other: f64| {
-            assert!((one - other).abs() < scale, "{seed}: {one} {other} {phases:?}");
+        let close = |found: f64, expected: f64| {
+            assert!((found - expected).abs() < scale, "{seed}: {found} {expected} {phases:?}");
         };
         close(solved.acceleration[0], c * a_x - s * a_y);
         close(solved.acceleration[1], s * a_x + c * a_y);
@@ -182,11 +182,12 @@ fn forces_agree_in_every_frame() {
             // Light balls are ill-scaled beside a table 2000 times as heavy.
             close(solved.angular[ball], forces.beta_ddot[ball]);
             let slip = state.beta_dot[ball];
+            // `r = 2 J d ω β̇ - 4 J β̇²` (thesis equation 3.5).
+            let body = &balancer.balls[ball];
             let rolling = match machine.normal_force {
                 NormalForce::Newton => 0.0,
                 NormalForce::Lagrange => {
-                    let BallTerms { linear, quadratic } = terms(&balancer, ball);
-                    (linear + quadratic * slip) * slip
+                    2.0 * body.inertia * (body.diameter * omega - 2.0 * slip) * slip
                 }
             };
             close(solved.normal[ball] - rolling, forces.normal[ball]);
@@ -197,20 +198,6 @@ fn forces_agree_in_every_frame() {
             close(solved.friction[ball], of_ball.friction);
             assert_eq!(of_ball.speed, slip);
         }
-    }
-}
-
-struct BallTerms {
-    linear: f64,
-    quadratic: f64,
-}
-
-/// `r = 2 J d ω β̇ - 4 J β̇²` (thesis equation 3.5).
-fn terms<const N: usize>(balancer: &Balancer<N>, ball: usize) -> BallTerms {
-    let body = &balancer.balls[ball];
-    BallTerms {
-        linear: 2.0 * body.inertia * body.diameter * balancer.speed,
-        quadratic: -4.0 * body.inertia,
     }
 }
 

@@ -23,4 +23,3 @@ mod smooth;
 mod symmetry;
 mod touching_selection;
 mod variational;
-mod work_of_friction;

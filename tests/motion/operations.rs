@@ -130,7 +130,7 @@ fn three_equations(recorder: &Recorder) -> SystemEquations<'_> {
     let times = |row: &Vec<_>| {
         row.iter()
             .zip(solution)
-            .fold(Expression::constant(0.0), move |sum, (one, other)| sum + *one * other)
+            .fold(Expression::constant(0.0), move |sum, (entry, value)| sum + *entry * value)
     };
     let right: Vec<_> = matrix.iter().map(times).collect();
     with_time(recorder.solve(&matrix, &right))
@@ -155,16 +155,23 @@ fn solves(parameters: Vec<f64>, end: f64) {
         state.copy_from_slice(&motion.state());
         let changes = motion.perturbations().remove(0);
         let found = motion.evaluator().rates(&[], &state);
-        for (one, expected) in [t, t * t, t.sin()].into_iter().enumerate() {
-            let own = 1 + one;
-            assert!((state[own] - expected).abs() < 1e-12, "{one} at {t}: {}, {what}", state[own]);
-            let change = rates(t)[one] - rates(0.0)[one];
+        for (index, expected) in [t, t * t, t.sin()].into_iter().enumerate() {
+            let place = 1 + index;
             assert!(
-                (changes[own] - change).abs() < 1e-10,
-                "{one} at {t}: {}, {what}",
-                changes[own]
+                (state[place] - expected).abs() < 1e-12,
+                "{index} at {t}: {}, {what}",
+                state[place]
             );
-            assert!((found[own] - rates(t)[one]).abs() < 1e-12, "{one} at {t}: {found:?}, {what}");
+            let change = rates(t)[index] - rates(0.0)[index];
+            assert!(
+                (changes[place] - change).abs() < 1e-10,
+                "{index} at {t}: {}, {what}",
+                changes[place]
+            );
+            assert!(
+                (found[place] - rates(t)[index]).abs() < 1e-12,
+                "{index} at {t}: {found:?}, {what}"
+            );
         }
     }
 }
@@ -184,7 +191,7 @@ fn linear_systems_with_small_pivots() {
         for units in [[1.0, 1.0, 1.0], [1e9, 1.0, 1e-9], [1e-9, 1e9, 1.0]] {
             let rows = |rows: [[f64; 3]; 3]| -> Vec<f64> {
                 let scaled =
-                    order.iter().zip(units).map(|(&row, unit)| rows[row].map(|one| unit * one));
+                    order.iter().zip(units).map(|(&row, unit)| rows[row].map(|entry| unit * entry));
                 scaled.flatten().collect()
             };
             solves([rows(regular), rows(slopes)].concat(), 1.0);
@@ -199,7 +206,7 @@ fn linear_systems_with_small_pivots() {
 /// Nothing is locked while a system is recorded: recording may wait for that of another system.
 #[test]
 fn a_system_that_records_another_one() {
-    fn own(record: for<'r> fn(&'r Recorder) -> SystemEquations<'r>) -> OwnSystem {
+    fn without_inputs(record: for<'r> fn(&'r Recorder) -> SystemEquations<'r>) -> OwnSystem {
         OwnSystem::new(record, vec![], vec![])
     }
     fn inner(recorder: &Recorder) -> SystemEquations<'_> {
@@ -209,15 +216,17 @@ fn a_system_that_records_another_one() {
     fn outer(recorder: &Recorder) -> SystemEquations<'_> {
         let t = recorder.state();
         recorder.state();
-        let waits = std::thread::spawn(|| Graph::of(&own(inner)));
+        let waits = std::thread::spawn(|| Graph::of(&without_inputs(inner)));
         assert_eq!(waits.join().expect("recorded").derivative.len(), 1);
         with_time(vec![t])
     }
     let (sender, receiver) = std::sync::mpsc::channel();
-    std::thread::spawn(move || sender.send([Graph::of(&own(outer)), Graph::of(&own(outer))]));
+    std::thread::spawn(move || {
+        sender.send([Graph::of(&without_inputs(outer)), Graph::of(&without_inputs(outer))])
+    });
     let waits = std::time::Duration::from_secs(60);
-    let [one, other] = receiver.recv_timeout(waits).expect("nothing is locked");
-    assert!(std::sync::Arc::ptr_eq(&one, &other), "recorded once");
+    let [first, second] = receiver.recv_timeout(waits).expect("nothing is locked");
+    assert!(std::sync::Arc::ptr_eq(&first, &second), "recorded once");
 }
 
 /// Equal expressions are one node, and neutral elements leave none.

@@ -2,12 +2,11 @@
 
 use crate::support::{Block, Ground};
 use stickslip::model::{
-    Balancer, Ball, Contact, Dual, FRICTION_LAWS, Friction, FrictionLaw, Law, Machine, Number,
-    State,
+    Balancer, Ball, Contact, Dual, FRICTION_LAWS, Friction, FrictionLaw, Machine, Number, State,
 };
 use stickslip::motion::{Direction, Evaluator, Phase};
 
-use crate::support::{TestRng, reference, shared};
+use crate::support::{TestRng, example_law, reference, shared};
 
 fn between(rng: &mut TestRng, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.uniform()
@@ -96,21 +95,13 @@ fn compare_block(law: FrictionLaw, rng: &mut TestRng) {
     assert_close(found.acceleration.slope, expected, 1e-12);
 }
 
-/// Returns every law with the examples of its parameters, for balls and for blocks.
-fn laws() -> Vec<FrictionLaw> {
-    let with = |law: &'static dyn Law, unit: usize| {
-        let values: Vec<f64> = law.parameters().iter().map(|one| one.examples[unit]).collect();
-        FrictionLaw::new(law, &values)
-    };
-    let examples = FRICTION_LAWS.iter().flat_map(|law| [with(*law, 0), with(*law, 1)]);
-    // Stribeck friction with a slope of 0 at rest.
-    examples.chain([FrictionLaw::stribeck(4e-3, 0.0)]).collect()
-}
-
 #[test]
 fn recorded_equations_are_the_written_ones() {
     let mut rng = TestRng::new(22);
-    for law in laws() {
+    // The examples are for balls and for blocks.
+    let examples = FRICTION_LAWS.iter().flat_map(|law| [0, 1].map(|unit| example_law(*law, unit)));
+    // Stribeck friction with a slope of 0 at rest.
+    for law in examples.chain([FrictionLaw::stribeck(4e-3, 0.0)]) {
         for _ in 0..8 {
             compare_balls::<1>(law, &mut rng);
             compare_balls::<2>(law, &mut rng);

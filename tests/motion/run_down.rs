@@ -9,8 +9,6 @@
 //! With `κ = μ` for `lagrange` and `κ = μ / (1 + 4J)` for `newton`, `1/|β̇| = 1/|β̇₀| + κ t`, and the ball has run through
 //! the angle `ln(1 + κ |β̇₀| t) / κ`.
 
-use std::f64::consts::TAU;
-
 use stickslip::model::{Balancer, Ball, Machine, Method, NormalForce, SPHERE_INERTIA, State};
 use stickslip::motion::Motion;
 
@@ -81,7 +79,7 @@ fn a_ball_runs_down_in_a_ring_at_rest() {
         let [from, to] = SPEEDS_RAD_S.map(|speed| speed / machine.natural_frequency_rad_s());
         for (direction, system) in [-1.0, 1.0]
             .into_iter()
-            .flat_map(|sign| for_each_kernel(balancer).map(|one| (sign, one)))
+            .flat_map(|sign| for_each_kernel(balancer).map(|system| (sign, system)))
         {
             let exact = RunDown::of(normal_force, direction * from);
             let end = exact.time_of_speed(to);
@@ -114,39 +112,4 @@ fn a_ball_runs_down_in_a_ring_at_rest() {
         }
     }
     println!("largest errors of speed and angle: {largest:?}");
-}
-
-/// From the times at which the ball passes a sensor, as the thesis measures them, follows a coefficient that is 1.4 times
-/// larger if Newton's normal force is taken for the evaluation: each form finds its own coefficient, and the other one a
-/// coefficient that is wrong by this factor.
-#[test]
-fn the_coefficient_from_a_run_down_depends_on_the_normal_force() {
-    let forms = [(NormalForce::Lagrange, 1.0), (NormalForce::Newton, 1.4)];
-    for (simulated, factor_simulated) in forms {
-        let machine = machine(simulated);
-        let balancer = Balancer::<1>::new(&machine).expect("one ball");
-        let from = SPEEDS_RAD_S[0] / machine.natural_frequency_rad_s();
-        let start = State { position: [0.0; 2], velocity: [0.0; 2], beta: [0.0], beta_dot: [from] };
-        let [system, _] = for_each_kernel(balancer);
-        let mut motion = started(&system, settings(Method::Event, 1e-12), &start);
-        let mut passages = Vec::new();
-        while passages.len() < 40 {
-            let before = motion.unwrapped()[0];
-            motion.advance(1e4).expect("continues");
-            assert!(motion.unwrapped()[0] - before < TAU, "at most one passage in a step");
-            passages.extend(motion.passage(0).map(|(time, _)| time));
-        }
-        // The durations of two successive turns determine the decrease of the logarithm of the speed: in each turn the time
-        // grows by the factor exp(2π κ).
-        let durations: Vec<f64> = passages.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        for pair in durations.windows(2) {
-            let decrease = (pair[1] / pair[0]).ln() / TAU;
-            for (evaluated, factor) in forms {
-                let found = factor * decrease;
-                let expected = FRICTION * factor / factor_simulated;
-                let case = format!("{simulated:?} evaluated as {evaluated:?}: {found}");
-                assert!((found / expected - 1.0).abs() < 1e-8, "{case}");
-            }
-        }
-    }
 }

@@ -76,11 +76,12 @@ impl Sampler {
     }
 }
 
-/// Nodes and weights of Gauss's rule with three points on [0, 1].
-pub const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_3, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
+/// Nodes and weights of Gauss's rule with four points on [0, 1].
+pub const GAUSS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_92),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_1),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_1),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_92),
 ];
 
 /// Returns settings with few steps, which the motions of these tests do not exceed.
@@ -164,8 +165,8 @@ pub fn unwrapped(motion: &Motion) -> Components {
 }
 
 /// Returns the largest difference between two motions' states, with whole turns.
-pub fn difference(one: &Motion, other: &Motion) -> f64 {
-    let pairs = unwrapped(one).into_iter().zip(unwrapped(other));
+pub fn difference(a: &Motion, b: &Motion) -> f64 {
+    let pairs = unwrapped(a).into_iter().zip(unwrapped(b));
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 

@@ -111,7 +111,7 @@ impl Pair {
     fn solutions(&self) -> Vec<[f64; 2]> {
         let mut found: Vec<[f64; 2]> = Vec::new();
         let ways = [0.0, 1.0, -1.0];
-        for directions in ways.into_iter().flat_map(|one| ways.map(|other| [one, other])) {
+        for directions in ways.into_iter().flat_map(|first| ways.map(|second| [first, second])) {
             for closed in [false, true] {
                 let [behind, ahead] = directions;
                 let both_stick = directions == [0.0; 2];

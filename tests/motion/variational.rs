@@ -40,8 +40,10 @@ fn compare(
     end: f64,
     direction: &Components,
 ) -> Option<(f64, usize)> {
-    let directions = std::slice::from_ref(direction);
-    let mut motion = Motion::with_directions(system, settings, start, directions).expect("starts");
+    // More multiples of the direction than the lanes of one group.
+    let multiple = |times: u32| direction.iter().map(|by| f64::from(times) * by).collect();
+    let directions: Vec<Components> = (1..=9).map(multiple).collect();
+    let mut motion = Motion::with_directions(system, settings, start, &directions).expect("starts");
     let (_, phases) = flow(&mut motion, end);
     let shifted = |step: f64| {
         let from: Components =
@@ -54,8 +56,14 @@ fn compare(
     if low.1 != phases || high.1 != phases || motion.grazed() {
         return None;
     }
-    let carried = &motion.perturbations()[0];
+    let all = motion.perturbations();
+    let carried = &all[0];
     let size = carried.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    for (times, multiple) in (1..).map(f64::from).zip(&all) {
+        let mut pairs = multiple.iter().zip(carried);
+        assert!(pairs.all(|(found, once)| (found - times * once).abs() < 1e-9 * times * size));
+    }
+    assert_eq!(all.len(), 9);
     let difference = low
         .0
         .iter()

@@ -12,8 +12,8 @@ fn estimate(value: f64, low: f64, high: f64) -> Estimate {
 /// differ by 0.0893 (-0.0381, 0.1926) (Stat. Med. 17 (1998) 873, table II, method 10).
 #[test]
 fn difference_of_fractions() {
-    let [one, other] = [estimate(5.0 / 56.0, 0.03873, 0.19258), estimate(0.0, 0.0, 0.11697)];
-    let found = estimate_difference(&one, &other, 0.0);
+    let [first, second] = [estimate(5.0 / 56.0, 0.03873, 0.19258), estimate(0.0, 0.0, 0.11697)];
+    let found = estimate_difference(&first, &second, 0.0);
     assert!((found.low.unwrap() + 0.0381).abs() < 2e-4, "{found:?}");
     assert!((found.high.unwrap() - 0.1926).abs() < 2e-4, "{found:?}");
 }
@@ -38,10 +38,12 @@ fn coverage() {
     let mut held = [0; 2];
     for _ in 0..2000 {
         let [x, y] = [5.0 + 0.5 * draws.normal(), 4.0 + 0.2 * draws.normal()];
-        let one = estimate(x, x - 1.96 * 0.5, x + 1.96 * 0.5);
-        let other = estimate(y, y - 1.96 * 0.2, y + 1.96 * 0.2);
-        let all =
-            [(estimate_difference(&one, &other, 0.0), 1.0), (estimate_ratio(&one, &other), 1.25)];
+        let first = estimate(x, x - 1.96 * 0.5, x + 1.96 * 0.5);
+        let second = estimate(y, y - 1.96 * 0.2, y + 1.96 * 0.2);
+        let all = [
+            (estimate_difference(&first, &second, 0.0), 1.0),
+            (estimate_ratio(&first, &second), 1.25),
+        ];
         for (count, (found, truth)) in held.iter_mut().zip(all) {
             *count += u32::from(found.low.unwrap() <= truth && truth <= found.high.unwrap());
         }

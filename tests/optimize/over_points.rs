@@ -1,13 +1,12 @@
 //! The worst and the mean estimate over the points of a sweep.
 
-use std::path::Path;
-
-use stickslip::analysis::Estimate;
-use stickslip::analysis::LabelCounts;
+use stickslip::analysis::{Estimate, LabelCounts};
 use stickslip::optimize::Goal;
 use stickslip::responses::Answer;
 use stickslip::study::OverPoints::{self, Mean, Worst};
-use stickslip::study::{Objective, Optimization, SensitivityFrom, Study};
+use stickslip::study::{Objective, Optimization, SensitivityFrom};
+
+use crate::support::parse;
 
 /// Returns the combination of the estimates of one response at the points of a sweep; with
 /// `maximize` small values are worse.
@@ -20,7 +19,7 @@ fn combined(estimates: &[&Estimate], over_points: OverPoints, maximize: bool) ->
          initial_conditions: {{design: {{monte_carlo: {{samples: 2}}}}}}\n",
         speeds.join(", ")
     );
-    let study = Study::parse(Path::new("a.yaml"), text).unwrap();
+    let study = parse(text);
     let optimization = Optimization {
         objectives: vec![Objective { response: 0, maximize }],
         limits: Vec::new(),

@@ -1,21 +1,17 @@
 //! Designs share their start states and samples (common random numbers), which reduces the error of
 //! differences.
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use crate::docs::generated::compare_or_write_part;
+use crate::support::parse;
 use stickslip::engine::WorkerPool;
 use stickslip::study::{DesignValue, Plan, Study};
-
-fn study(text: &str) -> Study {
-    Study::parse(Path::new("a.yaml"), text.to_owned()).unwrap_or_else(|error| panic!("{error}"))
-}
 
 /// Returns a machine with an uncertain imbalance below the critical speed; `box_` is for the start
 /// states.
 fn balancer(seed: u64, box_: &str, sampling: &str) -> Study {
-    study(&format!(
+    parse(format!(
         "
 schema: 1
 name: a
@@ -61,12 +57,13 @@ fn designs_share_their_samples() {
     }
     // Coordinates outside the study's own box have defaults: the range of a third ball.
     let study = balancer(2003, "beta_dot: [-0.5, 0.5]", "monte_carlo: {samples: 64}");
-    let again = self::study(&study.resolved_yaml());
+    let again = parse(study.resolved_yaml());
     assert_eq!(again.hash(), study.hash());
     for run in 0..64 {
-        let [one, other] = [&study, &again].map(|study| set(study, 1.1e4, 3.0).planned_run(run));
-        assert_eq!(one, other);
-        assert!(one.start.0[7..].iter().all(|speed| speed.abs() <= 0.5));
+        let [planned, again] =
+            [&study, &again].map(|study| set(study, 1.1e4, 3.0).planned_run(run));
+        assert_eq!(planned, again);
+        assert!(planned.start.0[7..].iter().all(|speed| speed.abs() <= 0.5));
     }
 }
 

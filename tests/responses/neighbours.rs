@@ -36,49 +36,22 @@ fn points_are_compared_one_by_one() {
     assert_eq!(flags, [Some(false), Some(true)]);
 }
 
+/// The oldest design is dropped first. A study with one point stores 10,000 designs, one with as many points as half a million
+/// counts two, and one with more points one; a number of 0 points counts as 1. The first design differs from all others, and is
+/// the nearest to a new one until so many others are stored.
 #[test]
-fn the_oldest_design_is_dropped_first() {
-    let mut neighbours = Neighbours::new(500_000);
-    let mut ask = |at: f64, equilibria| neighbours.compare(vec![at], vec![counts(equilibria)]);
-    assert_eq!(
-        [ask(0.0, 60), ask(1.0, 60), ask(0.5, 10)].concat(),
-        [None, Some(false), Some(true)]
-    );
-    // Of 0, 1 and 0.5 the first one has been dropped: the nearest to 0 is 0.5.
-    assert_eq!(ask(0.0, 60), [Some(true)]);
-}
-
-/// A study with one point stores 10,000 designs: the first one, which differs from all others, is
-/// the nearest to a new design until 10,000 others are stored.
-#[test]
-fn ten_thousand_designs_are_stored() {
-    let mut neighbours = Neighbours::new(1);
-    let mut ask = |at: f64, equilibria| neighbours.compare(vec![at], vec![counts(equilibria)]);
-    assert_eq!(ask(0.0, 10), [None]);
-    for design in 1..10_000 {
-        ask(f64::from(design), 60);
+fn designs_are_stored_for_a_million_counts() {
+    for (points, stored) in [(0, 10_000), (1, 10_000), (500_000, 2), (u64::MAX, 1)] {
+        let mut neighbours = Neighbours::new(points);
+        let mut ask = |at: f64, equilibria| neighbours.compare(vec![at], vec![counts(equilibria)]);
+        assert_eq!(ask(0.0, 10), [None]);
+        for design in 1..stored {
+            ask(f64::from(design), 60);
+        }
+        assert_eq!(ask(0.4, 60), [Some(true)], "{points}");
+        // The nearest design is now the previous one.
+        assert_eq!(ask(0.1, 60), [Some(false)], "{points}");
     }
-    assert_eq!(ask(0.4, 60), [Some(true)]);
-    // The nearest design is now the previous one.
-    assert_eq!(ask(0.1, 60), [Some(false)]);
-}
-
-/// A number of 0 points counts as 1.
-#[test]
-fn several_designs_are_stored_without_points() {
-    let mut neighbours = Neighbours::new(0);
-    let mut ask = |at: f64, equilibria| neighbours.compare(vec![at], vec![counts(equilibria)]);
-    assert_eq!([ask(0.0, 10), ask(1.0, 60), ask(2.0, 60)].concat()[1..], [Some(true), Some(false)]);
-    assert_eq!(ask(0.4, 60), [Some(true)]);
-}
-
-/// A study with too many points for a million counts stores one design.
-#[test]
-fn one_design_is_always_stored() {
-    let mut neighbours = Neighbours::new(u64::MAX);
-    let mut ask = |at: f64, equilibria| neighbours.compare(vec![at], vec![counts(equilibria)]);
-    assert_eq!([ask(0.0, 60), ask(1.0, 10)].concat(), [None, Some(true)]);
-    assert_eq!(ask(0.1, 10), [Some(false)]);
 }
 
 /// Without any change at most 1 % of the answers are flagged: more than 36 of 2000 seeded ones would have a

@@ -78,8 +78,9 @@ fn bimodal_samples_have_a_standard_error() {
                 errors.push(found.standard_error.unwrap());
             }
             let mean = quantiles.iter().sum::<f64>() / 400.0;
-            let scatter =
-                (quantiles.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / 399.0).sqrt();
+            let scatter = (quantiles.iter().map(|quantile| (quantile - mean).powi(2)).sum::<f64>()
+                / 399.0)
+                .sqrt();
             errors.sort_by(f64::total_cmp);
             let ratio = errors[200] / scatter;
             println!("modes {modes}, quantile {fraction}, {runs} runs: {ratio:.2}");

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 /// Returns the distance of two angles on the circle, rad, from 0 to π.
-pub fn angular_distance(one: f64, other: f64) -> f64 {
-    let turned = (one - other).rem_euclid(TAU);
+pub fn angular_distance(a: f64, b: f64) -> f64 {
+    let turned = (a - b).rem_euclid(TAU);
     turned.min(TAU - turned)
 }

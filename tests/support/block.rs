@@ -1,11 +1,8 @@
 //! The block on a spring of a system file, with its parameters by name.
 
 use std::sync::Arc;
-use stickslip::model::{FrictionLaw, Model, State, System};
+use stickslip::model::{FrictionLaw, Model, System};
 use stickslip::study::model_kind;
-
-/// Position and sliding speed of a block without dimensions.
-pub type SliderState = State<1, f64, 0>;
 
 /// The support of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,14 +90,14 @@ impl From<Block> for Model {
         let kind = model_kind(kind).expect("a built-in kind");
         let mut model = kind.default_model();
         *model.friction_mut() = block.friction;
-        let own = [
+        let parameters = [
             ("mass_kg", Some(block.mass_kg)),
             ("stiffness_n_m", Some(block.stiffness_n_m)),
             ("normal_force_n", Some(block.normal_force_n)),
             ("friction_coefficient", Some(block.friction_coefficient)),
             ("belt_speed_m_s", belt_speed),
         ];
-        for (name, value) in own {
+        for (name, value) in parameters {
             let parameter = kind.parameters.iter().find(|parameter| parameter.name == name);
             if let (Some(parameter), Some(value)) = (parameter, value) {
                 parameter.numbers(&mut model, None).into_iter().for_each(|number| *number = value);

@@ -4,7 +4,6 @@ mod angle;
 mod assert_has;
 mod block;
 mod cases;
-mod mechanism;
 mod own_system;
 mod places;
 pub mod reference;
@@ -18,16 +17,16 @@ mod unit_kind;
 
 pub use angle::angular_distance;
 pub use assert_has::assert_has;
-pub use block::{Block, Ground, SliderState};
+pub use block::{Block, Ground};
 pub use cases::{cases, rows};
-pub use mechanism::OwnMechanism;
 pub use own_system::OwnSystem;
 pub use places::places;
 pub use required_friction::{required_friction, rest_margin};
 pub use shipped::{shipped, shipped_study, study_files};
 pub use studies::{cases_of, parse};
 pub use systems::{
-    METHODS, for_each_kernel, go_on, settings, shared, spread_start, start_of, started, state_of,
+    METHODS, example_law, for_each_kernel, go_on, settings, shared, spread_start, start_of,
+    started, state_of,
 };
 pub use test_rng::TestRng;
 pub use two_blocks::TwoBlocks;

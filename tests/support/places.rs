@@ -6,15 +6,15 @@ use serde_json::Value;
 pub fn places(value: &Value, items: usize) -> Vec<String> {
     let mut all = vec![String::new()];
     let parts: Vec<(String, &Value)> = match value {
-        Value::Object(fields) => fields.iter().map(|(key, own)| (key.clone(), own)).collect(),
-        Value::Array(own) => {
-            (0..items).zip(own).map(|(place, own)| (place.to_string(), own)).collect()
+        Value::Object(fields) => fields.iter().map(|(key, value)| (key.clone(), value)).collect(),
+        Value::Array(values) => {
+            (0..items).zip(values).map(|(place, value)| (place.to_string(), value)).collect()
         }
         _ => Vec::new(),
     };
-    for (key, own) in parts {
+    for (key, value) in parts {
         let key = key.replace('~', "~0").replace('/', "~1");
-        all.extend(places(own, items).into_iter().map(|below| format!("/{key}{below}")));
+        all.extend(places(value, items).into_iter().map(|below| format!("/{key}{below}")));
     }
     all
 }

@@ -2,11 +2,17 @@
 
 use std::sync::Arc;
 
-use stickslip::model::{Method, Recorded, Start, State, System};
+use stickslip::model::{FrictionLaw, Law, Method, Recorded, Start, State, System};
 use stickslip::motion::{Effort, Motion, Settings, Tolerance};
 
 /// Both methods.
 pub const METHODS: [Method; 2] = [Method::Event, Method::Switch];
+
+/// Returns a friction law with the examples of its parameters, for balls (0) or for blocks (1).
+pub fn example_law(law: &'static dyn Law, unit: usize) -> FrictionLaw {
+    let values = law.parameters().iter().map(|parameter| parameter.examples[unit]);
+    FrictionLaw::new(law, &values.collect::<Vec<f64>>())
+}
 
 /// Returns a system for the kernel that is written for it, if there is one.
 pub fn shared(system: impl System) -> Arc<dyn System> {

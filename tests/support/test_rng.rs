@@ -33,34 +33,10 @@ impl TestRng {
         -self.uniform().ln() / rate
     }
 
-    /// Returns a gamma-distributed number with the given shape and a scale of 1.
-    ///
-    /// Source: J. H. Ahrens, U. Dieter, Computing 12 (1974) 223, doi:10.1007/BF02293108, algorithm
-    /// GS for shapes up to 1; larger shapes are sums.
-    fn gamma(&mut self, shape: f64) -> f64 {
-        if shape > 1.0 {
-            return self.exponential(1.0) + self.gamma(shape - 1.0);
-        }
-        let bound = 1.0 + shape / std::f64::consts::E;
-        loop {
-            let (p, threshold) = (bound * self.uniform(), self.exponential(1.0));
-            if p <= 1.0 {
-                let x = p.powf(1.0 / shape);
-                if x <= threshold {
-                    return x;
-                }
-            } else {
-                let x = -((bound - p) / shape).ln();
-                if (1.0 - shape) * x.ln() <= threshold {
-                    return x;
-                }
-            }
-        }
-    }
-
     /// Returns a Beta-distributed number.
     pub fn beta(&mut self, a: f64, b: f64) -> f64 {
-        let (a, b) = (self.gamma(a), self.gamma(b));
+        let gamma = |shape| rand_distr::Gamma::new(shape, 1.0).expect("a positive shape");
+        let [a, b] = [a, b].map(|shape| gamma(shape).sample(&mut self.0));
         if a + b > 0.0 { a / (a + b) } else { 0.0 }
     }
 

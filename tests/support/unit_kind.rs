@@ -92,7 +92,7 @@ pub fn simulate_kind(
 ) -> Outcome {
     let mut model = kind.default_model();
     for (parameter, value) in kind.parameters.iter().zip(parameters) {
-        parameter.numbers(&mut model, None).into_iter().for_each(|one| *one = *value);
+        parameter.numbers(&mut model, None).into_iter().for_each(|number| *number = *value);
     }
     simulate(&Case { model, start: Start(start.to_vec()), simulation })
 }

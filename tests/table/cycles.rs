@@ -18,7 +18,6 @@ use super::contract::{columns, listed};
 use crate::cli::support::{
     AT_ONCE, Scratch, column, counts, numbers, parse, study_text, table, words,
 };
-use crate::model::closed_forms::ClosedForms;
 
 const OF_EVERY_MODEL: &str = "runs c -, fraction n 1, ci_low n 1, ci_high n 1, period_s n s, \
                               period_low_s n s, period_high_s n s";

@@ -8,10 +8,10 @@ use stickslip::analysis::{
 use stickslip::classification::{Label, Outcome};
 use stickslip::model::{Case, Machine, Method, NormalForce, Simulation, Tolerance};
 
-use crate::classification::reference::{label_agrees, references, run_all};
+use crate::classification::reference::{angle_error, label_agrees, references, run_all};
 use crate::classification::simulate_all::simulate_all;
 use crate::docs::generated::compare_or_write_part;
-use crate::support::{angular_distance, shipped_study};
+use crate::support::{cases_of, shipped_study};
 
 /// The thesis's counts (figures 5.7 to 5.9 and section 5.3), in the order of the study's points.
 const THESIS: [u64; 6] = [768, 768, 768, 70, 435, 61];
@@ -212,6 +212,25 @@ the computation, but the fraction of equilibria does not.
         pairs.filter(|(a, b)| what(a) != what(b)).count()
     }
 
+    /// The counts of equilibria, and the time by which about half of the runs are at rest, are near those of the thesis.
+    /// Ranges allow for the reconstructed box and for sampling. The form of the normal force decides the count.
+    pub fn must_be_near_the_thesis(&self) {
+        let ranges = [768..=768, 768..=768, 768..=768, 65..=110, 400..=470, 55..=80];
+        for (point, range) in ranges.into_iter().enumerate() {
+            let found = self.equilibria(1, point);
+            assert!(range.contains(&found), "{:?}: {found}, not {range:?}", self.points[point]);
+        }
+        let median = self.summary(1, 0).time_to_rest_s[1].expect("reached");
+        assert!((1.5..4.0).contains(&median), "{median} s");
+        let forms = simulate_all(&cases_of(&shipped_study("model-form.yaml")));
+        let at_rest = |runs: &[Outcome]| {
+            runs.iter().filter(|outcome| outcome.label() == Label::Equilibrium).count()
+        };
+        let (lagrange, newton) = forms.split_at(768);
+        let found = [at_rest(lagrange), at_rest(newton), newton.len()];
+        assert!(found[0] == 768 && (500..=590).contains(&found[1]) && found[2] == 768, "{found:?}");
+    }
+
     /// The switch model with the widest band, 1e-4, agrees with the exact motion: at least 98 % of
     /// the runs are at rest in both or in neither outside of the irregular speed, and all below the
     /// natural frequency; and everywhere each fraction lies in the other's interval. No other way
@@ -235,7 +254,8 @@ the computation, but the fraction of equilibria does not.
     }
 }
 
-/// Labels and final angles against the independent program.
+/// Labels and final angles against the independent program. Below the natural frequency all labels agree, and the final angles
+/// to 1e-4 rad; at -216.3772 and -191.6372 rad/s, where motions are irregular, 98 % and 92 % of the labels agree.
 pub fn independent_program() -> String {
     let mut text = "\
 ## An independent program
@@ -257,21 +277,28 @@ switching. The table compares the labels of all runs, and the final angles of th
             let pairs = || references.iter().zip(&outcomes);
             let agree = pairs().filter(|(reference, outcome)| label_agrees(reference, outcome));
             let agree = agree.count();
-            let below = ["160.8103", "173.1803", "179.2671"].contains(&speed);
-            let total = totals.entry((name, if below { "below" } else { speed })).or_default();
+            let is_below = ["160.8103", "173.1803", "179.2671"].contains(&speed);
+            let total = totals.entry((name, if is_below { "below" } else { speed })).or_default();
             *total = [total[0] + agree, total[1] + references.len()];
             let mut differences: Vec<f64> = pairs()
                 .filter(|(reference, outcome)| {
                     reference.label == "equilibrium" && outcome.label() == Label::Equilibrium
                 })
-                .map(|(reference, outcome)| {
-                    let beta = outcome.position.as_deref().expect("an equilibrium has angles");
-                    let difference =
-                        |ball: usize| angular_distance(beta[ball], reference.end_beta[ball]);
-                    difference(0).max(difference(1))
-                })
+                .map(|(reference, outcome)| angle_error(reference, outcome))
                 .collect();
             differences.sort_by(f64::total_cmp);
+            if is_below {
+                let at = |percent: usize| differences[differences.len() * percent / 100];
+                let median = if method == Method::Event { 1e-7 } else { 1e-6 };
+                let worst = differences[differences.len() - 1];
+                assert!(worst < 1e-4 && at(99) < 1e-5 && at(50) < median, "-{speed}, {name}");
+            }
+            let least = match speed {
+                "191.6372" => 92,
+                "216.3772" => 98,
+                _ => 100,
+            };
+            assert!(agree * 100 >= least * references.len(), "-{speed}, {name}: {agree} agree");
             let below =
                 |fraction: f64| differences[(fraction * (differences.len() - 1) as f64) as usize];
             let _ = writeln!(

@@ -2,22 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
 
-use crate::support::{Block, shipped_study};
+use crate::support::{Block, cases_of, parse, shipped_study};
 use stickslip::analysis::CycleClass;
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Simulation, Start};
-use stickslip::study::Study;
 
 use crate::classification::simulate_all::simulate_all;
 use crate::docs::generated::compare_or_write_part;
-use crate::model::closed_forms::ClosedForms;
-use crate::support::cases_of;
-
-fn machine(speed_rad_s: f64) -> Machine {
-    Machine { speed_rad_s, ..Machine::default() }
-}
 
 /// Returns one replicate of the thesis's start states: 256 runs.
 fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
@@ -28,8 +20,7 @@ fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
          \x20 design: {{stratified: {{parts_per_axis: 2, samples_per_cell: 1}}}}\n\
          simulation: {{end_time_s: {end_time_s}}}\n"
     );
-    let study = Study::parse(Path::new("replicate.yaml"), text).expect("a study");
-    let cases = cases_of(&study);
+    let cases = cases_of(&parse(text));
     let outcomes = simulate_all(&cases);
     cases.into_iter().zip(outcomes).collect()
 }
@@ -119,7 +110,7 @@ touched; the model excludes contact between balls.)
     for (speed, expected) in [(-247.3, 72.3), (-309.15, 133.5)] {
         let run = |shift: f64, end_time_s: f64| {
             simulate(&Case {
-                model: machine(speed).into(),
+                model: Machine { speed_rad_s: speed, ..Machine::default() }.into(),
                 start: if speed == -247.3 {
                     start(-0.0109, -0.0047, 3.3088, shift, 0.0020, -0.0041, 0.4224)
                 } else {
@@ -133,11 +124,20 @@ touched; the model excludes contact between balls.)
         let moduli: Vec<String> =
             cycle.multipliers.iter().map(|modulus| format!("{modulus:.4}")).collect();
         assert_eq!(together.evidence.name(), "unstable_orbit");
-        assert!(cycle.multipliers[1] > 1.01 && cycle.multipliers[2] < 0.995);
+        assert_eq!((together.balls_running, cycle.turns.as_slice()), (Some(2), &[1, 1][..]));
+        let speeds = together.mean_speed.as_ref().expect("they run");
+        assert_eq!(speeds[0].to_bits(), speeds[1].to_bits(), "exactly side by side");
+        assert!((speeds[0] / expected - 1.0).abs() < 0.01, "{speeds:?}");
+        assert!((together.end_time_s.expect("ran") - 55.0).abs() < 1e-9);
+        // A complex pair: the separation grows in a spiral. All other disturbances decay.
+        let [first, second, third, ..] = cycle.multipliers[..] else { panic!("{cycle:?}") };
+        assert!(second > 1.01 && (first - second).abs() < 1e-9 && third < 0.995, "{cycle:?}");
+        assert_eq!(apart.evidence.name(), "rest_certified");
+        assert!(apart.time_to_rest_s() > Some(50.0), "{apart:?}");
         let _ = writeln!(
             text,
             "| {speed} | {expected} | {:.2} | {} | {} | {} | {:.0} s |",
-            together.mean_speed.as_ref().expect("they run")[0],
+            speeds[0],
             together.label().name(),
             together.evidence.name(),
             moduli.join(", "),

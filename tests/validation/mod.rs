@@ -30,4 +30,5 @@ fn generated_validation_page() {
     ];
     compare_or_write("docs/validation.md", &page.join("\n"));
     runs.must_agree();
+    runs.must_be_near_the_thesis();
 }

@@ -69,7 +69,7 @@ const DRAG: f64 = 1e4;
 fn kinds_at(speed_rad_s: f64) -> Vec<(FrictionlessKind, Stability)> {
     let machine = Machine { speed_rad_s, ..Machine::default() };
     let found = frictionless_equilibria(&machine, DRAG).expect("two balls");
-    found.into_iter().map(|one| (one.kind, one.stability)).collect()
+    found.into_iter().map(|equilibrium| (equilibrium.kind, equilibrium.stability)).collect()
 }
 
 /// Returns the speeds at which the equilibria with both balls together vanish and reappear, by

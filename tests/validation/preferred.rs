@@ -74,10 +74,10 @@ type Equilibrium = (FrictionlessKind, [f64; 2]);
 /// Returns the equilibria without friction that are stable with a high drag.
 fn stable_equilibria(machine: &Machine) -> Vec<Equilibrium> {
     let all = frictionless_equilibria(machine, HIGH_DRAG).expect("a machine with balls");
-    let stable = all.into_iter().filter(|one| one.stability == Stability::Stable);
-    let of = |one: stickslip::analysis::FrictionlessEquilibrium| {
-        let beta = one.beta_rad.expect("isolated equilibria");
-        (one.kind, beta.try_into().expect("two balls"))
+    let stable = all.into_iter().filter(|equilibrium| equilibrium.stability == Stability::Stable);
+    let of = |equilibrium: stickslip::analysis::FrictionlessEquilibrium| {
+        let beta = equilibrium.beta_rad.expect("isolated equilibria");
+        (equilibrium.kind, beta.try_into().expect("two balls"))
     };
     stable.map(of).collect()
 }
