@@ -12,23 +12,13 @@ use super::support::{Ended, Scratch, assert_has, counts, study_text};
 /// A generous limit for the one second that a run may continue after an interruption.
 const SOON: Duration = Duration::from_secs(20);
 
-/// A study of a balancer.
-fn balancer(name: &str, samples: u32, model: &str) -> String {
-    let model = format!("model: {{kind: ball_balancer, {model}}}\n");
-    let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
-    study_text(name, &design, 1.0, &model)
-}
-
 /// A disc so fast that a run takes many steps, friction so steep at rest that an explicit method takes millions, and a table of
 /// many speeds. There are more runs than any machine computes within the time limit.
-fn studies() -> [(&'static str, String); 3] {
-    [
-        ("fast", "parameters: {speed_rad_s: -1.8e6, friction_coefficient: 1.0e-5}"),
-        ("steep", "friction: {smooth: {smoothing_speed_rad_s: 1.0e-6}}"),
-        ("table", "speed_profile: [{table: table.csv}]"),
-    ]
-    .map(|(name, model)| (name, balancer(name, 4000, model)))
-}
+const STUDIES: [(&str, &str); 3] = [
+    ("fast", "parameters: {speed_rad_s: -1.8e6, friction_coefficient: 1.0e-5}"),
+    ("steep", "friction: {smooth: {smoothing_speed_rad_s: 1.0e-6}}"),
+    ("table", "speed_profile: [{table: table.csv}]"),
+];
 
 #[test]
 fn a_stop_abandons_long_runs() {
@@ -37,7 +27,9 @@ fn a_stop_abandons_long_runs() {
     let rows: String = (0..100_000).map(row).collect();
     scratch.write("table.csv", format!("time_s,speed_rad_s\n{rows}"));
     let mut given_up = false;
-    for (name, text) in studies() {
+    for (name, model) in STUDIES {
+        let model = format!("model: {{kind: ball_balancer, {model}}}\n");
+        let text = study_text(name, "{monte_carlo: {samples: 4000}}", 1.0, &model);
         scratch.write(&format!("{name}.yaml"), text);
         let command = format!("run {name}.yaml --threads 1 --out {name}");
         let child = scratch.command(&command).spawn().unwrap();

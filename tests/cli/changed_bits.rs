@@ -9,9 +9,6 @@ use super::evaluate::BLOCK;
 use super::summary::finished;
 use super::support::{Scratch, assert_has};
 
-/// Number of tested positions.
-const PLACES: usize = 120;
-
 /// Changes bits of a file, one at a time, over its whole length; calls `look` with each, and
 /// restores the file.
 fn with_other_bits(scratch: &Scratch, name: &str, places: usize, look: impl Fn(usize)) {
@@ -39,21 +36,19 @@ fn refused(scratch: &Scratch, command: &str, name: &str, bit: usize) {
 #[test]
 fn of_results() {
     let (scratch, _) = finished();
-    with_other_bits(&scratch, "out/points.parquet", PLACES, |bit| {
-        refused(&scratch, "summary out", "points.parquet: this is not the file", bit);
-    });
-    for name in ["points", "runs", "time_to_rest", "cycles"] {
-        let name = format!("{name}.parquet");
+    for (command, name, said) in [
+        ("summary out", "points.parquet", "points.parquet: this is not the file"),
+        ("summary out", "study.yaml", "study"),
+        ("report out", "points.parquet", "points.parquet"),
+        ("report out", "runs.parquet", "runs.parquet"),
+        ("report out", "time_to_rest.parquet", "time_to_rest.parquet"),
+        ("report out", "cycles.parquet", "cycles.parquet"),
+        ("replay out 1", "runs.parquet", "runs.parquet: this is not the file"),
+    ] {
         with_other_bits(&scratch, &format!("out/{name}"), 10, |bit| {
-            refused(&scratch, "report out", &name, bit);
+            refused(&scratch, command, said, bit);
         });
     }
-    with_other_bits(&scratch, "out/runs.parquet", 10, |bit| {
-        refused(&scratch, "replay out 1", "runs.parquet: this is not the file", bit);
-    });
-    with_other_bits(&scratch, "out/study.yaml", 40, |bit| {
-        refused(&scratch, "summary out", "study", bit);
-    });
     scratch.well("summary out");
     scratch.well("report out");
 }
@@ -78,18 +73,21 @@ fn of_a_search() {
     scratch.write("block.yaml", format!("{BLOCK}optimize: {{minimize: stop, designs: 12}}\n"));
     scratch.well("optimize block.yaml --out search -q");
     let name = "search/evaluations.parquet";
-    with_other_bits(&scratch, name, PLACES, |bit| {
-        refused(
-            &scratch,
-            "optimize block.yaml --out search",
-            "evaluations.parquet: this is not",
-            bit,
-        );
-    });
+    for (command, file) in [
+        ("optimize block.yaml --out search", "evaluations.parquet"),
+        ("report search", "evaluations.parquet"),
+        ("report search", "finalists.parquet"),
+        ("report search", "optimum.json"),
+    ] {
+        let said = format!("{file}: this is not the file that was written");
+        with_other_bits(&scratch, &format!("search/{file}"), 10, |bit| {
+            refused(&scratch, command, &said, bit);
+        });
+    }
     // A changed list is either unreadable, reports a different table, or its change affects nothing
     // that is used.
     let best = scratch.bytes("search/optimum.json");
-    with_other_bits(&scratch, "search/files.json", PLACES, |bit| {
+    with_other_bits(&scratch, "search/files.json", 120, |bit| {
         let before = scratch.bytes(name);
         let ended = scratch.stickslip("optimize block.yaml --out search -q");
         assert!([Some(0), Some(2)].contains(&ended.code), "bit {bit}: {}", ended.err);

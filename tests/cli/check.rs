@@ -43,7 +43,7 @@ fn checked(scratch: &Scratch, model: &str, rest: &str) -> Value {
 
 fn kinds(report: &Value) -> Vec<String> {
     let warnings = report["warnings"].as_array().unwrap();
-    warnings.iter().map(|one| one["kind"].as_str().unwrap().to_owned()).collect()
+    warnings.iter().map(|warning| warning["kind"].as_str().unwrap().to_owned()).collect()
 }
 
 /// Changes of the machine, the kinds of all warnings, and key, line and remedy of the first one.
@@ -100,7 +100,7 @@ fn slips_are_warnings_with_their_key_and_line() {
     let scratch = Scratch::new();
     for [changes, expected, key, line, remedy] in cases(SLIPS) {
         let changes: Vec<_> =
-            changes.split(" ; ").filter_map(|one| one.split_once(" => ")).collect();
+            changes.split(" ; ").filter_map(|change| change.split_once(" => ")).collect();
         let model = changes.iter().fold(MACHINE.to_owned(), |model, (from, to)| {
             assert!(model.contains(from), "{from}");
             model.replace(from, to)
@@ -256,7 +256,8 @@ fn the_remedy_for_friction_that_holds_the_balls_everywhere_helps() {
     };
     let is_held = |report: &Value| kinds(report) == ["balls_held_everywhere"];
     // The smallest friction with a warning leaves a few positions without rest.
-    let just = (0..).map(|step| 2.75e-3 * 1.01_f64.powi(step)).find(|one| is_held(&with(*one)));
+    let just =
+        (0..).map(|step| 2.75e-3 * 1.01_f64.powi(step)).find(|friction| is_held(&with(*friction)));
     for friction in [just.unwrap(), 0.05, 1.9] {
         let warned = with(friction);
         let remedy = warned["warnings"][0]["remedy"].as_str().unwrap();
@@ -383,12 +384,12 @@ fn the_machine_has_its_defaults_marked() {
         "speed_rad_s -216 to -160 rad/s swept, 2 values",
         "normal_force lagrange (default)",
     ] {
-        assert!(lines.iter().any(|one| one == line), "no {line:?} in\n{text}");
+        assert!(lines.iter().any(|found| found == line), "no {line:?} in\n{text}");
     }
     let report = report(&scratch, "a.yaml");
     let entry = |name: &str| {
         let machine = report["machine"].as_array().unwrap();
-        machine.iter().find(|one| one["name"] == json!(name)).unwrap().clone()
+        machine.iter().find(|row| row["name"] == json!(name)).unwrap().clone()
     };
     assert_eq!(
         entry("table_mass_kg"),
@@ -409,7 +410,7 @@ fn the_base_value_of_a_swept_parameter_counts_where_a_block_uses_it() {
     let report = report(&scratch, "a.yaml");
     let swept = |name: &str| {
         let machine = report["machine"].as_array().unwrap();
-        machine.iter().find(|one| one["name"] == json!(name)).unwrap()["swept"].clone()
+        machine.iter().find(|row| row["name"] == json!(name)).unwrap()["swept"].clone()
     };
     assert_eq!(swept("friction_coefficient"), json!({"values": 3, "from": 1.0e-3, "to": 2.75e-3}));
     assert_eq!(swept("speed_rad_s"), json!({"values": 2, "from": -216.4, "to": -200.0}));
@@ -468,8 +469,7 @@ fn the_worst_rest_is_that_of_equilibria() {
         "model: {kind: ball_balancer, contact: {restitution: 0.36, friction_coefficient: 0.1}}\n";
     let scratch = Scratch::with(study(machine, rest));
     let checked = &report(&scratch, "a.yaml")["closed_form"]["points"];
-    let text = scratch.well("equilibria a.yaml --no-set --out out --json");
-    let sets: Value = serde_json::from_str(&text).unwrap();
+    let sets = scratch.json("equilibria a.yaml --no-set --out out --json");
     for point in 0..2 {
         let (checked, set) = (&checked[point], &sets["points"][point]);
         assert_eq!(checked["rest"]["set_fraction"], set["fraction"], "{point}");
@@ -511,8 +511,8 @@ fn designs_and_searches_have_a_price() {
     let scratch = Scratch::new();
     let path = shipped("cd-rom.yaml").display().to_string();
     let search = report(&scratch, &path);
-    let [one, all] = ["design_cost", "optimize"].map(|key| &search[key]);
-    assert_eq!(one["runs"], json!(384));
+    let [design, all] = ["design_cost", "optimize"].map(|key| &search[key]);
+    assert_eq!(design["runs"], json!(384));
     for (key, value) in [
         ("objectives", json!([{"response": "vibration_95", "goal": "minimize"}])),
         ("limits", json!([{"response": "quiet", "at_least": 0.9}])),
@@ -529,10 +529,10 @@ fn designs_and_searches_have_a_price() {
     }
     let seconds = |cost: &Value, key: &str| cost[key].as_f64().unwrap();
     for key in ["core_seconds", "most_core_seconds"] {
-        let ratio = seconds(all, key) / seconds(one, key);
+        let ratio = seconds(all, key) / seconds(design, key);
         assert!((ratio - 262.0).abs() < 1e-6, "{key}: {ratio}");
     }
-    assert!(seconds(one, "most_core_seconds") > seconds(one, "core_seconds"));
+    assert!(seconds(design, "most_core_seconds") > seconds(design, "core_seconds"));
     let said = [
         "optimize      minimize vibration_95, subject to quiet at least 0.9; worst of 3 points\n",
         "search        6 variables, 150 designs (60 of them space-filling), 5 finalists",
@@ -541,20 +541,20 @@ fn designs_and_searches_have_a_price() {
         "the design is optimize.compare_with (balls 2, ball ",
     ];
     scratch.prints(&format!("check {path}"), &said);
-    let design = report(&scratch, &shipped("design.yaml").display().to_string());
-    assert_eq!(design["design_cost"]["runs"], json!(64));
-    assert!(design.get("optimize").is_none());
+    let designs = report(&scratch, &shipped("design.yaml").display().to_string());
+    assert_eq!(designs["design_cost"]["runs"], json!(64));
+    assert!(designs.get("optimize").is_none());
     scratch.write("a.yaml", study_text("a", "{sobol: {samples: 1}}", AT_ONCE, ""));
     assert!(report(&scratch, "a.yaml").get("design_cost").is_none());
     let path = shipped("identify-contact.yaml").display().to_string();
-    let own = report(&scratch, &path);
-    let ratio = seconds(&own["identify"], "core_seconds") / seconds(&own, "core_seconds");
+    let inference = report(&scratch, &path);
+    let ratio =
+        seconds(&inference["identify"], "core_seconds") / seconds(&inference, "core_seconds");
     assert!((ratio - 1000.0).abs() < 1e-6, "{ratio}");
     let said = ["identify      1000 parameter sets, 640000 runs; about "];
     scratch.prints(&format!("check {path}"), &said);
 }
 
-/// Where the points of a sweep differ, the run-up is that of the point at which the balls slip longest.
 #[test]
 fn the_run_up_is_that_of_the_point_at_which_balls_slip_longest() {
     let of = |sweep: &str| {

@@ -17,7 +17,7 @@ fn study(name: &str, seed: u64, parameters: &str, speeds: &str) -> String {
 
 fn quantity<'a>(point: &'a Value, name: &str) -> &'a Value {
     let all = point["quantities"].as_array().unwrap();
-    all.iter().find(|one| one["name"] == name).unwrap()
+    all.iter().find(|quantity| quantity["name"] == name).unwrap()
 }
 
 /// With the same start states, the interval of the difference of means is that of the paired differences; with other ones,
@@ -39,12 +39,12 @@ fn common_start_states_make_differences_precise() {
     assert_eq!(point["same_start_states"], true);
     let amplitudes = |name: &str, from: usize| {
         let all = numbers(&scratch.table(name, "runs"), "amplitude_m");
-        all[from..from + 40].iter().map(|one| one.unwrap()).collect::<Vec<f64>>()
+        all[from..from + 40].iter().map(|metres| metres.unwrap()).collect::<Vec<f64>>()
     };
-    let (one, other) = (amplitudes("a", 40), amplitudes("b", 0));
-    let differences: Vec<f64> = one.iter().zip(&other).map(|(a, b)| b - a).collect();
+    let (first, other) = (amplitudes("a", 40), amplitudes("b", 0));
+    let differences: Vec<f64> = first.iter().zip(&other).map(|(a, b)| b - a).collect();
     let mean = differences.iter().sum::<f64>() / 40.0;
-    let variance = differences.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / 39.0;
+    let variance = differences.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / 39.0;
     let half = 2.023 * (variance / 40.0).sqrt();
     let found = &quantity(point, "mean")["difference"];
     let number = |key: &str| found[key].as_f64().unwrap();

@@ -79,6 +79,7 @@ fn a_cost_beyond_a_lifetime_is_not_counted_in_days() {
         assert!(said.lines().all(|line| line.len() < 200), "{said}");
         said.lines().find(|line| line.starts_with("cost ")).unwrap().to_owned()
     };
+    assert_has(&cost(16.5, 1_000_000_000), &[" days on one core"]);
     let many = cost(16.5, 100_000_000_000_000);
     assert_has(&many, &["  more than 100 years on one core,", "; no bound below 100 years"]);
     // Each of these runs is given up after a second.

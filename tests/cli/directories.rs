@@ -20,15 +20,8 @@ fn a_study_fills_its_directory_once() {
     // Two lines of header, two points, a sentence about their vibration, a remedy, and the undecided runs.
     assert_eq!(ended.out.lines().count(), 7, "{}", ended.out);
     assert_has(&ended.err, &["8 runs in ", "tables in deep/down"]);
-    let mut names: Vec<String> = fs::read_dir(scratch.path("deep/down"))
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    let mut expected = DATA_FILES.to_vec();
-    expected.extend(["manifest.json", "chunks"]);
-    expected.sort_unstable();
-    assert_eq!(names, expected);
+    let expected = DATA_FILES.into_iter().chain(["manifest.json", "chunks"]).map(str::to_owned);
+    assert_eq!(scratch.names("deep/down"), expected.collect());
 
     let before = scratch.files();
     let again = scratch.stickslip("run a.yaml --out deep/down --threads 1");
@@ -39,55 +32,16 @@ fn a_study_fills_its_directory_once() {
     assert_eq!(scratch.stickslip("run b.yaml --out deep/down").code, Some(0));
     fs::remove_file(scratch.path("b.yaml")).unwrap();
     assert_eq!(scratch.files(), before);
-}
-
-/// Without `--out` the tables go into `results`; an empty directory is used.
-#[test]
-fn a_new_and_an_empty_directory_are_used() {
-    let scratch = Scratch::with(small("seed: 5\n"));
+    // Without `--out` the tables go into `results`; an empty directory is used.
     fs::create_dir_all(scratch.path("results/small")).expect("the directory does not exist yet");
     scratch.well("run a.yaml");
     assert_eq!(scratch.table("results/small", "runs").num_rows(), 8);
 }
 
+/// No command fills a directory with other files, or overwrites a file with the name of a results file that it would not
+/// write identically.
 #[test]
-fn another_study_is_refused() {
-    let scratch = Scratch::with(small("seed: 5\n"));
-    scratch.write("other.yaml", small("seed: 6\n").replace("small", "other"));
-    scratch.well("run a.yaml --out out");
-    let refused = [
-        "out: this directory contains the results of another study, and none of its runs can be reused",
-        "\n  found:   study small; it differs in\n    name: \"small\" -> \"other\"\n    seed: 5 -> 6",
-        "\n  allowed: another directory, with --out DIR",
-    ];
-    scratch.refused("run other.yaml --out out", &refused);
-    let part = ["another shard", "shard 1/1 (this one", "shard 1/2)", "allowed: "];
-    scratch.refused("run a.yaml --out out --shard 1/2", &part);
-}
-
-#[test]
-fn foreign_files_are_left_alone() {
-    let scratch = Scratch::with(small("seed: 5\n"));
-    fs::create_dir(scratch.path("home")).unwrap();
-    scratch.write("home/thesis.tex", "years of work");
-    let foreign = ["home: this directory is not empty", "found:   files without a manifest.json"];
-    scratch.refused("run a.yaml --out home", &foreign);
-    scratch.refused("verify smoke.yaml --out home", &["smoke.yaml"]);
-    scratch.write("home/manifest.json", "{\"name\": \"a web application\"}");
-    scratch.refused(
-        "run a.yaml --out home",
-        &[
-            "home: manifest.json is damaged, or is not a manifest of stickslip",
-            "found: ",
-            "allowed: ",
-        ],
-    );
-}
-
-/// A file with the name of a results file that the program would not write identically is not
-/// overwritten by any command.
-#[test]
-fn files_under_our_names_are_left_alone() {
+fn foreign_files_and_those_under_our_names_are_left_alone() {
     let expect = "expect: [{point: {}, undecided_fraction: [0, 1]}]\n";
     let scratch = Scratch::with(small("seed: 5\n") + expect);
     scratch.write("other.yaml", small("seed: 6\n"));
@@ -98,6 +52,7 @@ fn files_under_our_names_are_left_alone() {
         ("study.yaml", "a study.yaml that is not what this study writes"),
         ("study.yaml.partial", "files without a manifest.json, such as study.yaml.partial"),
         ("runs.parquet.partial", "files without a manifest.json, such as runs.parquet.partial"),
+        ("thesis.tex", "files without a manifest.json, such as thesis.tex"),
     ] {
         fs::create_dir(scratch.path("mine")).unwrap();
         scratch.write(&format!("mine/{name}"), &content);
@@ -108,8 +63,13 @@ fn files_under_our_names_are_left_alone() {
         }
         fs::remove_dir_all(scratch.path("mine")).unwrap();
     }
-    // The study's own file, in its own directory.
     fs::create_dir(scratch.path("mine")).unwrap();
+    scratch.write("mine/manifest.json", "{\"name\": \"a web application\"}");
+    let damaged =
+        ["mine: manifest.json is damaged, or is not a manifest of stickslip", "allowed: "];
+    scratch.refused("run a.yaml --out mine", &damaged);
+    fs::remove_file(scratch.path("mine/manifest.json")).expect("a file of this test");
+    // The study's own file, in its own directory.
     scratch.write("mine/study.yaml", small("seed: 5\n"));
     scratch.refused("run mine/study.yaml --out mine", &["mine: this directory is not empty"]);
     // A file with the content that the program would write may be replaced.
@@ -141,7 +101,7 @@ fn a_study_continues_after_a_kill_at_its_start() {
         fs::write(path, content).unwrap();
         scratch.well(&format!("run a.yaml --out {out}"));
         assert_eq!(scratch.data(&out), scratch.data("whole"), "{name}");
-        assert!(!scratch.path(&out).join("earlier").exists(), "{name}");
+        assert_eq!(scratch.names(&out), scratch.names("whole"), "{name}");
     }
     // With finished runs beside them, files that may be the user's are moved aside.
     fs::create_dir_all(scratch.path("aside/chunks")).unwrap();
@@ -187,7 +147,6 @@ fn unfinished_results_continue_and_nothing_else_is_replaced() {
     }
 }
 
-/// An empty path is not the current directory.
 #[test]
 fn an_empty_path_is_no_directory() {
     let scratch = Scratch::with(small("seed: 5\n"));

@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use super::evaluate::{BALLS, BLOCK, ask, scratch, server};
 use super::support::{Ended, json_lines};
 
-/// Returns the answers to these bytes.
 fn answers(input: &[u8]) -> Vec<Value> {
     let ended = scratch().fed("evaluate balls.yaml --designs - --quiet", input);
     assert_eq!((ended.code, ended.err.as_str()), (Some(0), ""));
@@ -104,8 +103,7 @@ fn discontinuities_among_requests() {
     let text = BLOCK.replace("samples: 4", "samples: 16");
     let text = text.replace("method: event,", "method: event, end_time_s: 0.6,");
     scratch.write("step.yaml", &text);
-    let requests = [36, 40, 100, 36, 99].map(|k| json!({"stiffness_n_m": k}).to_string());
-    let requests = requests.each_ref().map(String::as_str);
+    let requests = [36, 40, 100, 36, 99].map(|k| json!({"stiffness_n_m": k}));
     let found = ask(&scratch, "evaluate step.yaml --designs -", &requests);
     let flags: Vec<&Value> = found.iter().map(|answer| &answer["discontinuous"]).collect();
     assert_eq!(flags, [&json!(null), &json!(false), &json!(true), &json!(false), &json!(false)]);

@@ -1,4 +1,4 @@
-//! `stickslip evaluate --designs FILE`: Parquet, interruption, failed runs, invalid tables.
+//! `stickslip evaluate --designs FILE`: forms of tables, interruption, failed runs.
 
 use std::fs;
 use std::sync::Arc;
@@ -7,10 +7,13 @@ use arrow::array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray}
 use parquet::arrow::ArrowWriter;
 
 use super::evaluate::{BALLS, DESIGNS, scratch};
-use super::support::{Ended, Scratch, assert_has, counts, table};
+use super::support::{Ended, assert_has, counts, table};
 
-/// The designs of `d.csv` as a Parquet file in the form of pandas.
-fn write_parquet(scratch: &Scratch, name: &str) {
+/// The designs of `d.csv` are read from a Parquet file in the form of pandas, and from a CSV file with a byte order mark,
+/// Windows line ends, blanks and comments.
+#[test]
+fn other_forms_of_a_table_are_read() {
+    let scratch = scratch();
     let parts: Vec<Vec<&str>> = DESIGNS.iter().map(|design| design.split(',').collect()).collect();
     let speeds = parts.iter().map(|part| part[0].parse::<f64>().unwrap());
     let balls = parts.iter().map(|part| part[1].parse::<i64>().unwrap());
@@ -20,20 +23,19 @@ fn write_parquet(scratch: &Scratch, name: &str) {
         ("speed_rad_s", Arc::new(Float64Array::from_iter_values(speeds))),
     ];
     let batch = RecordBatch::try_from_iter(columns).unwrap();
-    let file = fs::File::create(scratch.path(name)).unwrap();
+    let file = fs::File::create(scratch.path("pandas.parquet")).unwrap();
     let mut writer = ArrowWriter::try_new(file, batch.schema(), None).unwrap();
     writer.write(&batch).unwrap();
     writer.close().unwrap();
-}
-
-#[test]
-fn designs_in_a_parquet_file() {
-    let scratch = scratch();
-    write_parquet(&scratch, "d.parquet");
-    scratch.well("evaluate balls.yaml --designs d.csv --out csv.parquet --quiet");
-    scratch.well("evaluate balls.yaml --designs d.parquet --out parquet.parquet --quiet");
-    let read = |name: &str| scratch.bytes(name);
-    assert_eq!(read("csv.parquet"), read("parquet.parquet"));
+    let lines = ["speed_rad_s,balls,material"].into_iter().chain(DESIGNS);
+    let lines = lines.map(|line| format!(" {line}\r\n")).collect::<String>();
+    scratch.write("odd.csv", format!("\u{feff}# designs\r\n{}", lines.trim_start()));
+    let [plain, pandas, odd] = ["d.csv", "pandas.parquet", "odd.csv"].map(|designs| {
+        let out = format!("of-{designs}.parquet");
+        scratch.well(&format!("evaluate balls.yaml --designs {designs} --out {out} --quiet"));
+        scratch.bytes(&out)
+    });
+    assert!(pandas == plain && odd == plain);
 }
 
 /// Ctrl-C ends it with 130 and leaves no file; the same command starts again.
@@ -70,17 +72,4 @@ fn failed_runs_give_a_complete_table_and_exit_code_3() {
     // All designs have the same samples.
     let failed = counts(&rows, "failed");
     assert!(failed[0] > 0 && failed[0] < 24 && failed == [failed[0]; 5], "{failed:?}");
-}
-
-/// A byte order mark, Windows line ends, blanks and comments are not errors.
-#[test]
-fn odd_tables_are_read() {
-    let scratch = scratch();
-    let lines = ["speed_rad_s,balls,material"].into_iter().chain(DESIGNS);
-    let lines = lines.map(|line| format!(" {line}\r\n")).collect::<String>();
-    scratch.write("odd.csv", format!("\u{feff}# designs\r\n{}", lines.trim_start()));
-    scratch.well("evaluate balls.yaml --designs odd.csv --out odd.parquet --quiet");
-    scratch.well("evaluate balls.yaml --designs d.csv --out d.parquet --quiet");
-    let read = |name: &str| scratch.bytes(name);
-    assert_eq!(read("odd.parquet"), read("d.parquet"));
 }

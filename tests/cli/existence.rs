@@ -10,11 +10,8 @@ use crate::support::shipped;
 /// A block has one contact with a given normal force, so that the decision is always unique.
 #[test]
 fn the_thesis_study_and_a_block_are_certain_at_all_points() {
-    let scratch = Scratch::with(
-        "schema: 1\nname: a\nseed: 1\nmodel: {kind: block_on_belt}\n\
-         sweep: [{grid: {belt_speed_m_s: [1, 2]}}]\n\
-         initial_conditions: {design: {sobol: {samples: 1}}}\n",
-    );
+    let rest = "model: {kind: block_on_belt}\nsweep: [{grid: {belt_speed_m_s: [1, 2]}}]\n";
+    let scratch = Scratch::with(study_text("a", "{sobol: {samples: 1}}", AT_ONCE, rest));
     let path = shipped("preferred-equilibria.yaml").display().to_string();
     for (path, points, minor) in [(&*path, 6, "0.9999999"), ("a.yaml", 2, "1.00000000 at point 0")]
     {
@@ -38,8 +35,7 @@ fn failing_points_are_named_with_position_and_remedy() {
             "remedy: multiply all friction coefficients by at most 0.5",
         ],
     );
-    let report = scratch.well(&format!("check {path} --existence --json"));
-    let existence = &serde_json::from_str::<Value>(&report).unwrap()["existence"];
+    let existence = &scratch.json(&format!("check {path} --existence --json"))["existence"];
     let whole = ["points", "points_examined", "not_unique_points", "min_at_point"];
     let expected = json!([2, 2, 1, 1]);
     assert_eq!(Value::from(whole.map(|key| existence[key].clone()).to_vec()), expected);

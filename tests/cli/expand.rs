@@ -1,6 +1,6 @@
 //! `expand` writes exactly the cases that `run` computes.
 
-use super::support::{AT_ONCE, Scratch, counts, numbers, parse, row, study_text, words};
+use super::support::{AT_ONCE, Scratch, counts, names, numbers, parse, row, study_text, words};
 use crate::table::contract::listed;
 
 /// Blocks with different columns, text values, and samples that include physically invalid ones.
@@ -27,9 +27,8 @@ fn csv_parquet_plan_and_run_agree() {
     scratch.well("expand a.yaml --out cases.parquet");
     assert_eq!(scratch.stickslip("run a.yaml --out out").code, Some(3));
     let (cases, runs) = (scratch.table(".", "cases"), scratch.table("out", "runs"));
-    let names: Vec<String> =
-        cases.schema().fields().iter().map(|field| field.name().clone()).collect();
-    assert_eq!(names, columns());
+    let of_cases = names(&cases);
+    assert_eq!(of_cases, columns());
 
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     assert_eq!(reader.headers().expect("a header"), columns());
@@ -38,13 +37,8 @@ fn csv_parquet_plan_and_run_agree() {
     assert_eq!(study.run_count(), 1500);
     assert_eq!((lines.len(), cases.num_rows(), runs.num_rows()), (1500, 1500, 1500));
 
-    let others: Vec<String> = runs
-        .schema()
-        .fields()
-        .iter()
-        .map(|field| field.name().clone())
-        .filter(|name| !names.contains(name) || name == "error")
-        .collect();
+    let mut others = names(&runs);
+    others.retain(|name| !of_cases.contains(name) || name == "error");
     let others: Vec<&str> = others.iter().map(String::as_str).collect();
     let (errors, run_errors) = (words(&cases, "error"), words(&runs, "error"));
     let mut invalid = 0;
@@ -69,7 +63,7 @@ fn csv_parquet_plan_and_run_agree() {
         }
     }
     assert!(invalid > 100, "{invalid}");
-    for name in &names[7..16] {
+    for name in &of_cases[7..16] {
         assert_eq!(numbers(&cases, name), numbers(&runs, name));
     }
 }
@@ -89,24 +83,18 @@ fn a_shard_has_one_case_of_each_n() {
     assert_eq!(text.lines().count(), ids.len() + 1);
 }
 
+/// The ending of the name chooses the format, and a file is never overwritten.
 #[test]
-fn a_file_is_never_overwritten() {
+fn files_of_cases_have_their_format_and_are_new() {
     let scratch = Scratch::with(study());
     scratch.write("cases.parquet", "mine");
-    let exists = ["cases.parquet: exists already", "allowed: the name of a new file"];
-    scratch.refused("expand a.yaml --out cases.parquet", &exists);
-    for out in ["nowhere/cases.parquet", "a.yaml/cases.parquet"] {
-        let message = ["cannot write ", out, "allowed: the name of a new file in a directory"];
-        scratch.refused(&format!("expand a.yaml --out {out}"), &message);
-    }
-}
-
-#[test]
-fn the_ending_of_the_name_chooses_the_format() {
-    let scratch = Scratch::with(study());
-    let parts =
-        ["cases.xlsx: stickslip writes tables as Parquet or CSV only", "such as cases.parquet"];
-    scratch.refused("expand a.yaml --out cases.xlsx", &parts);
+    scratch.refuses(
+        "expand a.yaml --out",
+        "cases.xlsx ¦ cases.xlsx: stickslip writes tables as Parquet or CSV only ¦ such as cases.parquet
+cases.parquet ¦ cases.parquet: exists already ¦ allowed: the name of a new file
+nowhere/cases.parquet ¦ cannot write nowhere/cases.parquet ¦ allowed: the name of a new file in a directory
+a.yaml/cases.parquet ¦ cannot write a.yaml/cases.parquet ¦ allowed: the name of a new file in a directory",
+    );
     let printed = scratch.well("expand a.yaml");
     assert_eq!(scratch.well("expand a.yaml --out cases.csv"), "");
     assert_eq!(scratch.text("cases.csv"), printed);

@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use serde_json::Value;
 use stickslip::study::Study;
 
 use super::support::{Scratch, numbers, words};
@@ -41,24 +40,20 @@ fn measure(scratch: &Scratch, contact: &str) {
     scratch.write("truth.yaml", text);
     scratch.well("run truth.yaml --out truth -q");
     let runs = scratch.table("truth", "runs");
-    let [speeds, one, other] =
+    let [speeds, of_first, of_second] =
         ["speed_rad_s", "beta_1_rad", "beta_2_rad"].map(|name| numbers(&runs, name));
     let mut table = "speed_rad_s,beta_1_rad,beta_2_rad,std_dev_rad\n".to_owned();
     for (run, label) in words(&runs, "label").iter().enumerate() {
         assert_eq!(label.as_deref(), Some("equilibrium"));
         let angle =
             |values: &Vec<Option<f64>>, ball| values[run].expect("an angle") + error(run, ball);
-        let (first, second) = (angle(&one, 0), angle(&other, 1));
+        let (first, second) = (angle(&of_first, 0), angle(&of_second, 1));
         // Balls are not told apart.
         let (first, second) = if run % 2 == 0 { (first, second) } else { (second, first) };
         let speed = speeds[run].expect("a speed");
         writeln!(table, "{speed},{first:.4},{second:.4},0.1").expect("text");
     }
     scratch.write("rests.csv", table);
-}
-
-fn summary(text: &str) -> Value {
-    serde_json::from_str(text).expect("JSON")
 }
 
 /// The truth is inside the interval, the model with contact explains the measurements, and the one without does not. All
@@ -69,20 +64,20 @@ fn synthetic_measurements() {
     let scratch = Scratch::new();
     measure(&scratch, TOUCHING);
     scratch.write("small.yaml", identify(TOUCHING, 128));
-    let text =
-        scratch.well("identify small.yaml --measured rests.csv --out one --threads 1 --json -q");
-    let one = summary(&text);
-    let parameter = &one["parameters"][0];
+    let found =
+        scratch.json("identify small.yaml --measured rests.csv --out one --threads 1 --json -q");
+    let parameter = &found["parameters"][0];
     let [low, high] = ["low", "high"].map(|key| parameter[key].as_f64().expect("a number"));
     assert!(low < 2.75e-3 && 2.75e-3 < high && high - low < 1.5e-3, "{parameter:#}");
     assert_eq!(parameter["identified"], true);
-    assert_eq!(one["fit"]["rejected"], false, "{:#}", one["fit"]);
+    assert_eq!(found["fit"]["rejected"], false, "{:#}", found["fit"]);
 
     // The runs of some parameter sets are lost, as if the command had been killed.
     scratch.well("identify small.yaml --measured rests.csv --out two --threads 2 -q");
     let sets = std::fs::read_dir(scratch.path("two/simulations")).expect("a folder");
     let sets: Vec<_> = sets.map(|entry| entry.expect("an entry").path()).collect();
-    let lost = sets.iter().filter(|path| path.extension().is_some_and(|one| one == "parquet"));
+    let lost =
+        sets.iter().filter(|path| path.extension().is_some_and(|ending| ending == "parquet"));
     lost.step_by(3).for_each(|path| std::fs::remove_file(path).expect("removed"));
     std::fs::remove_file(scratch.path("two/posterior.parquet")).expect("removed");
     let words = scratch.well("identify small.yaml --measured rests.csv --out two --threads 2 -q");
@@ -96,7 +91,7 @@ fn synthetic_measurements() {
         "positions.parquet",
         "identification.json",
     ] {
-        let bytes = |folder: &str| std::fs::read(scratch.path(folder).join(name)).expect("a file");
+        let bytes = |folder: &str| scratch.bytes(&format!("{folder}/{name}"));
         assert!(bytes("one") == bytes("two"), "{name}");
         assert!(bytes("one") == bytes("three"), "{name}");
     }
@@ -108,7 +103,7 @@ fn synthetic_measurements() {
     let samples = scratch.table("one", "posterior");
     assert_eq!(numbers(&samples, "friction_coefficient").len(), 800);
     let origins = super::support::words(&scratch.table("one", "parameter_sets"), "origin");
-    assert_eq!(origins.iter().filter(|one| one.as_deref() == Some("posterior")).count(), 8);
+    assert_eq!(origins.iter().filter(|origin| origin.as_deref() == Some("posterior")).count(), 8);
 
     let rows = scratch.text("rests.csv");
     scratch.write("fewer.csv", rows.lines().take(40).collect::<Vec<_>>().join("\n"));
@@ -141,7 +136,7 @@ fn posteriors_that_lean_on_an_end() {
         let ended = scratch.stickslip(&format!(
             "identify small.yaml --measured rests.csv --out {out} --simulations {out}-runs --json"
         ));
-        let found = summary(&ended.out);
+        let found = ended.json();
         assert_eq!(found["parameters"][0]["leans_on"], key, "{found:#}");
         let warning = format!(
             "small.yaml: identify.parameters.friction_coefficient.{key}: the posterior leans"

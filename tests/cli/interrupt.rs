@@ -24,7 +24,6 @@ fn long() -> String {
     study_text("long", "{monte_carlo: {samples: 2000000}}", 2.0, rest)
 }
 
-/// Waits until a condition holds.
 pub fn wait_until(what: &str, holds: impl Fn() -> bool) {
     let started = Instant::now();
     while !holds() {
@@ -64,81 +63,78 @@ fn rows(table: &RecordBatch, places: Vec<u64>) -> RecordBatch {
     take_record_batch(table, &UInt64Array::from(places)).unwrap()
 }
 
-fn stopped_by(signal: &str, number: u32) {
-    let scratch = Scratch::new();
-    scratch.write("long.yaml", long());
-    // About one chunk per round of workers: interruptions within a chunk and between chunks.
-    let child = scratch.command("run long.yaml --out out --threads 2 --chunk 64").spawn().unwrap();
-    wait_until("the program catches signals", || catches(&child, number));
-    wait_until("some runs are finished", || ticks(&child) >= 50);
-    send(&child, signal);
-    let ended = Ended::of(child.wait_with_output().unwrap());
-    assert_eq!(ended.code, Some(130), "{}", ended.err);
+#[test]
+fn ctrl_c_and_termination_keep_what_is_finished() {
+    for (signal, number) in [("INT", 2), ("TERM", 15)] {
+        let scratch = Scratch::new();
+        scratch.write("long.yaml", long());
+        // About one chunk per round of workers: interruptions within a chunk and between chunks.
+        let child =
+            scratch.command("run long.yaml --out out --threads 2 --chunk 64").spawn().unwrap();
+        wait_until("the program catches signals", || catches(&child, number));
+        wait_until("some runs are finished", || ticks(&child) >= 50);
+        send(&child, signal);
+        let ended = Ended::of(child.wait_with_output().unwrap());
+        assert_eq!(ended.code, Some(130), "{}", ended.err);
 
-    let table = scratch.table("out", "runs");
-    let finished = table.num_rows() as u64;
-    assert!(finished > 10, "{finished}");
-    let message = format!("interrupted after {finished} of 4000000 runs; finished runs are saved");
-    assert!(ended.err.contains(&message), "{}", ended.err);
-    let manifest = scratch.manifest("out");
-    assert_eq!(manifest["complete"], false);
-    assert_eq!(
-        (&manifest["runs_finished"], &manifest["runs_planned"]),
-        (&finished.into(), &4_000_000.into())
-    );
-    assert_eq!(manifest["files"]["runs.parquet"]["rows"], finished);
-    let points = scratch.table("out", "points");
-    assert_eq!(counts(&points, "runs").iter().sum::<u64>(), finished);
-    let at_rest = counts(&points, "equilibrium_runs").iter().sum::<u64>();
-    assert_eq!(scratch.table("out", "equilibria").num_rows() as u64, at_rest);
-    let names = fs::read_dir(scratch.path("out")).unwrap().map(|entry| entry.unwrap().file_name());
-    let names: Vec<String> = names.map(|name| name.into_string().unwrap()).collect();
-    assert!(!names.iter().any(|name| name.contains("partial")), "{names:?}");
+        let table = scratch.table("out", "runs");
+        let finished = table.num_rows() as u64;
+        assert!(finished > 10, "{finished}");
+        let message =
+            format!("interrupted after {finished} of 4000000 runs; finished runs are saved");
+        assert!(ended.err.contains(&message), "{}", ended.err);
+        let manifest = scratch.manifest("out");
+        assert_eq!(manifest["complete"], false);
+        assert_eq!(
+            (&manifest["runs_finished"], &manifest["runs_planned"]),
+            (&finished.into(), &4_000_000.into())
+        );
+        assert_eq!(manifest["files"]["runs.parquet"]["rows"], finished);
+        let points = scratch.table("out", "points");
+        assert_eq!(counts(&points, "runs").iter().sum::<u64>(), finished);
+        let at_rest = counts(&points, "equilibrium_runs").iter().sum::<u64>();
+        assert_eq!(scratch.table("out", "equilibria").num_rows() as u64, at_rest);
+        let names = scratch.names("out");
+        assert!(!names.iter().any(|name| name.contains("partial")), "{names:?}");
 
-    // The rows are those of the whole study.
-    let ids = counts(&table, "run_id");
-    assert!(ids.is_sorted_by(|a, b| a < b));
-    let study = parse(long());
-    let records: Vec<RunRecord> =
-        ids.par_iter().map(|&run_id| compute(&study, run_id, simulate)).collect();
-    let expected = batch(&run_columns(&study), &records).unwrap();
-    for place in 0..finished {
-        let (found, expected) = (rows(&table, vec![place]), rows(&expected, vec![place]));
-        let columns = found.columns().iter().zip(expected.columns());
-        for ((found, expected), field) in columns.zip(table.schema().fields()) {
-            let text = |array: &Arc<dyn arrow::array::Array>| {
-                arrow::util::display::array_value_to_string(array, 0).unwrap()
-            };
-            assert_eq!(
-                text(found),
-                text(expected),
-                "run {}: {}",
-                ids[place as usize],
-                field.name()
-            );
+        // The rows are those of the whole study.
+        let ids = counts(&table, "run_id");
+        assert!(ids.is_sorted_by(|a, b| a < b));
+        let study = parse(long());
+        let records: Vec<RunRecord> =
+            ids.par_iter().map(|&run_id| compute(&study, run_id, simulate)).collect();
+        let expected = batch(&run_columns(&study), &records).unwrap();
+        for place in 0..finished {
+            let (found, expected) = (rows(&table, vec![place]), rows(&expected, vec![place]));
+            let columns = found.columns().iter().zip(expected.columns());
+            for ((found, expected), field) in columns.zip(table.schema().fields()) {
+                let text = |array: &Arc<dyn arrow::array::Array>| {
+                    arrow::util::display::array_value_to_string(array, 0).unwrap()
+                };
+                assert_eq!(
+                    text(found),
+                    text(expected),
+                    "run {}: {}",
+                    ids[place as usize],
+                    field.name()
+                );
+            }
         }
+
+        // The same command continues: finished runs are available first.
+        let again = scratch.ended("run long.yaml --out out --threads 2 --max-seconds 0", 130);
+        let going_on =
+            format!("out: continuing this study; up to {finished} of its runs are finished");
+        assert_has(
+            &again.err,
+            &[&going_on, &format!("out of time (--max-seconds) after {finished} of 4000000 runs")],
+        );
+        let list =
+            fs::read_to_string(scratch.chunks("out").join("manifest.jsonl")).expect("a list");
+        let runs =
+            json_lines(&list).into_iter().map(|line| line["runs"].as_u64().expect("a number"));
+        assert_eq!(runs.sum::<u64>(), finished);
     }
-
-    // The same command continues: finished runs are available first.
-    let again = scratch.ended("run long.yaml --out out --threads 2 --max-seconds 0", 130);
-    let going_on = format!("out: continuing this study; up to {finished} of its runs are finished");
-    assert_has(
-        &again.err,
-        &[&going_on, &format!("out of time (--max-seconds) after {finished} of 4000000 runs")],
-    );
-    let list = fs::read_to_string(scratch.chunks("out").join("manifest.jsonl")).expect("a list");
-    let runs = json_lines(&list).into_iter().map(|line| line["runs"].as_u64().expect("a number"));
-    assert_eq!(runs.sum::<u64>(), finished);
-}
-
-#[test]
-fn ctrl_c_keeps_what_is_finished() {
-    stopped_by("INT", 2);
-}
-
-#[test]
-fn termination_keeps_what_is_finished() {
-    stopped_by("TERM", 15);
 }
 
 /// For runs of minutes, the first signal waits a second, the second does not.

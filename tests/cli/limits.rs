@@ -1,24 +1,12 @@
-//! Limits of time and failures end a study cleanly, and it continues without them.
+//! A limit of failures ends a study cleanly, and it continues without it.
 
-use super::support::{Scratch, counts, study_text, words};
+use super::support::{Scratch, study_text, words};
 
 /// With this normal force some runs lose contact.
 fn failing() -> String {
     let rest = "model: {kind: ball_balancer, normal_force: newton, \
                 parameters: {speed_rad_s: -160.8103}}\n";
     study_text("failing", "{monte_carlo: {samples: 60}}", 0.5, rest)
-}
-
-#[test]
-fn no_time_means_no_run() {
-    let scratch = Scratch::with(failing());
-    let said = ["out of time (--max-seconds) after 0 of 60 runs", "the same command continues"];
-    scratch.tells("run a.yaml --out out --max-seconds 0", 130, &said);
-    assert_eq!(scratch.table("out", "runs").num_rows(), 0);
-    let json = scratch.stickslip("run a.yaml --out out --max-seconds 0 --json");
-    let report = json.json();
-    assert_eq!((&report["interrupted"], &report["runs_finished"]), (&true.into(), &0.into()));
-    scratch.ended("run a.yaml --out out --max-seconds 3600", 3);
 }
 
 #[test]
@@ -45,6 +33,11 @@ fn failures_stop_a_study_that_says_so() {
         scratch.ended(&format!("resume {out}"), 3);
         assert_eq!(scratch.data(&out), scratch.data("whole"));
     }
+    // A retry computes the same cases again; without changes it gives the same rows.
+    let before = scratch.data("whole");
+    let said = [format!("{} finished earlier, {failed} computed", 60 - failed)];
+    scratch.tells("run a.yaml --out whole --retry-failed", 3, &said);
+    assert_eq!(scratch.data("whole"), before);
     scratch.refuses(
         "run a.yaml --out new",
         r#"--on-failure explode ¦ found "explode", allowed: stop, continue, or limit=N
@@ -55,16 +48,4 @@ fn failures_stop_a_study_that_says_so() {
 --max-failed x ¦ found "x", allowed: the number of runs that may fail
 --max-failed -1 ¦ found "-1", allowed: the number of runs that may fail"#,
     );
-}
-
-/// A retry computes the same cases again; without changes it gives the same rows.
-#[test]
-fn a_retry_never_draws_anew() {
-    let scratch = Scratch::with(failing());
-    scratch.stickslip("run a.yaml --out out");
-    let before = scratch.data("out");
-    let failed = counts(&scratch.table("out", "points"), "failed_runs")[0];
-    let said = [format!("{} finished earlier, {failed} computed", 60 - failed)];
-    scratch.tells("run a.yaml --out out --retry-failed", 3, &said);
-    assert_eq!(scratch.data("out"), before);
 }

@@ -38,13 +38,10 @@ fn stopped_peak_kib(points: u32, runs: u32) -> u64 {
 
 /// Runs at one point that come to rest at different times.
 fn rested_peak_kib(runs: u64) -> u64 {
-    let text = format!(
-        "schema: 1\nname: a\nseed: 5\nmodel: {{kind: block_on_spring, parameters: {{mass_kg: 1, \
-         stiffness_n_m: 100, normal_force_n: 10, friction_coefficient: 0.2}}}}\n\
-         initial_conditions: {{box: {{position_m: [-0.1, 0.1], velocity_m_s: [-1, 1]}}, \
-         design: {{monte_carlo: {{samples: {runs}}}}}}}\nsimulation: {{end_time_s: 30}}\n"
-    );
-    peak_kib(&text, runs)
+    let start_box = "position_m: [-0.1, 0.1], velocity_m_s: [-1, 1]";
+    let design = format!("{{monte_carlo: {{samples: {runs}}}}}, box: {{{start_box}}}");
+    let model = "model: {kind: block_on_spring, parameters: {friction_coefficient: 0.2}}\n";
+    peak_kib(&study_text("a", &design, 30.0, model), runs)
 }
 
 /// Allowance above a study of 10,000 runs: 40 KiB of footer for each row group of 8192 rows, at

@@ -68,16 +68,24 @@ fn incompatible_shards_are_named() {
     );
 }
 
+/// A chunk without its final name is read, and a damaged one is computed again; a shard's own directory is not changed.
 #[test]
-fn a_damaged_chunk_of_a_shard_is_computed_again() {
+fn chunks_of_shards_are_only_read() {
     let scratch = Scratch::with(study(""));
     scratch.well("run a.yaml --out whole");
     shards(&scratch, 2);
-    let folder = scratch.chunks("2");
-    fs::write(folder.join("000000.chunk"), "nothing").unwrap();
+    let [renamed, damaged] = ["1", "2"].map(|shard| scratch.chunks(shard).join("000000.chunk"));
+    fs::rename(&renamed, renamed.with_added_extension("partial")).expect("a chunk");
+    fs::write(damaged, "nothing").expect("written");
+    let of_shards = || {
+        let mut files = scratch.files();
+        files
+            .retain(|path, _| ["1", "2"].iter().any(|shard| path.starts_with(scratch.path(shard))));
+        files
+    };
+    let before = of_shards();
     let said = ["000000.chunk: 7 bytes", "48 finished earlier, 48 computed"];
     scratch.tells("merge 1 2 --out merged", 0, &said);
     assert_eq!(scratch.data("merged"), scratch.data("whole"));
-    // Merging does not change a shard's own directory.
-    assert!(folder.join("000000.chunk").exists());
+    assert!(of_shards() == before, "files of shards have changed");
 }

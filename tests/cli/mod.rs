@@ -7,7 +7,6 @@ mod changed_bits;
 mod check;
 mod commands;
 mod compare;
-mod concurrent;
 mod cost;
 mod directories;
 mod edited;

@@ -2,9 +2,10 @@
 
 use std::fs;
 
+use arrow::array::{AsArray, RecordBatch};
 use serde_json::Value;
 
-use super::support::{Scratch, assert_has, numbers, table, words};
+use super::support::{Scratch, assert_has, column, numbers, table, words};
 
 /// A block on a spring that starts at rest at 45 mm: after `n` half swings of `π √(m / k)` it stops
 /// within `1 N / k`. The time jumps up with every further half swing; from 30 to 200 N/m its
@@ -61,12 +62,8 @@ fn optimum(scratch: &Scratch, directory: &str) -> Value {
     serde_json::from_str(&scratch.text(&format!("{directory}/optimum.json"))).expect("JSON")
 }
 
-fn texts(table: &arrow::array::RecordBatch, name: &str) -> Vec<String> {
+fn texts(table: &RecordBatch, name: &str) -> Vec<String> {
     words(table, name).into_iter().map(Option::unwrap).collect()
-}
-
-fn evaluations(scratch: &Scratch, directory: &str) -> Vec<u8> {
-    scratch.bytes(&format!("{directory}/evaluations.parquet"))
 }
 
 /// The search finds the minimum of a function with jumps, and with a constraint that excludes it,
@@ -113,8 +110,7 @@ fn an_optimum_on_a_bound() {
     assert_eq!(summary["notes"].as_array().unwrap().len(), 1);
     // A block has no balls.
     assert_eq!(summary["best"]["relative_amplitudes"][0]["value"], Value::Null);
-    let printed = scratch.well("optimize stiff.yaml --quiet --json");
-    assert_eq!(serde_json::from_str::<Value>(&printed).unwrap(), summary);
+    assert_eq!(scratch.json("optimize stiff.yaml --quiet --json"), summary);
 }
 
 /// The bytes do not depend on the number of threads, on interruptions, or on an extension to more
@@ -133,7 +129,8 @@ fn a_search_is_reproducible() {
     let text = scratch.text("balls.yaml");
     scratch.write("short.yaml", text.replace("designs: 9", "designs: 7"));
     scratch.well("optimize short.yaml --out again --quiet");
-    assert_ne!(evaluations(&scratch, "again"), evaluations(&scratch, "one"));
+    let bytes = |directory: &str| scratch.bytes(&format!("{directory}/evaluations.parquet"));
+    assert_ne!(bytes("again"), bytes("one"));
     scratch.well("optimize balls.yaml --out again --quiet");
     let all = |directory: &str| {
         let table = table(&scratch.path(directory).join("evaluations.parquet"));
@@ -153,7 +150,10 @@ fn a_search_is_reproducible() {
     assert!(!mean[..4].contains(&mean[4]), "{mean:?}");
     let best = &optimum(&scratch, "one")["best"];
     let relative = best["relative_amplitudes"].as_array().unwrap();
-    assert!(relative.len() == 2 && relative.iter().all(|one| one["value"].is_f64()), "{best}");
+    assert!(
+        relative.len() == 2 && relative.iter().all(|amplitude| amplitude["value"].is_f64()),
+        "{best}"
+    );
 }
 
 /// No design of the Pareto front dominates another one, and sensitivities come from runs.
@@ -170,12 +170,12 @@ fn no_design_of_the_front_dominates_another() {
     let pareto = scratch.table("two", "pareto");
     let (mean, most) = (numbers(&pareto, "mean"), numbers(&pareto, "most"));
     assert!(!mean.is_empty() && mean.len() <= 4);
-    let on_front: Vec<usize> =
-        (0..mean.len()).filter(|row| boolean(&pareto, "on_front", *row)).collect();
-    for &one in &on_front {
+    let is_on_front = column(&pareto, "on_front").as_boolean();
+    let on_front: Vec<usize> = (0..mean.len()).filter(|row| is_on_front.value(*row)).collect();
+    for &design in &on_front {
         for &other in &on_front {
-            let better = mean[other] < mean[one] && most[other] < most[one];
-            assert!(!better, "{one} {other}");
+            let better = mean[other] < mean[design] && most[other] < most[design];
+            assert!(!better, "{design} {other}");
         }
     }
     let sensitivities = scratch.table("two", "sensitivities");
@@ -183,11 +183,6 @@ fn no_design_of_the_front_dominates_another() {
     assert!(texts(&sensitivities, "source").iter().all(|from| from == "runs"));
     let origins = texts(&scratch.table("two", "evaluations"), "origin");
     assert_eq!(origins[..2], ["compare_with", "compare_with"]);
-}
-
-fn boolean(table: &arrow::array::RecordBatch, column: &str, row: usize) -> bool {
-    use arrow::array::AsArray;
-    table.column_by_name(column).unwrap().as_boolean().value(row)
 }
 
 /// A search without feasible designs says so, also by its exit code.
@@ -317,8 +312,8 @@ fn the_cd_rom_drive() {
     let (best, thesis) = (both("quiet_low").0, both("quiet_high").1);
     assert!(least(&best) > least(&thesis), "{best:?} {thesis:?}");
     let (best, thesis) = both("relative");
-    assert!(best.iter().all(|one| (0.9..1.1).contains(one)), "{best:?}");
-    assert!(thesis.iter().all(|one| *one > 1.3), "{thesis:?}");
+    assert!(best.iter().all(|part| (0.9..1.1).contains(part)), "{best:?}");
+    assert!(thesis.iter().all(|part| *part > 1.3), "{thesis:?}");
 }
 
 /// A few discrete values are tried once each, and then the search ends.

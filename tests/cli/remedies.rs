@@ -1,6 +1,6 @@
 //! What the table of points says below its rows: remedies, caveats of columns, and short numbers.
 
-use super::support::{AT_ONCE, Scratch, assert_has};
+use super::support::{AT_ONCE, Scratch, assert_has, study_text};
 
 /// Returns a study whose balls start near the imbalance.
 fn study(end_time_s: f64, rest: &str) -> String {
@@ -51,14 +51,9 @@ fn undecided_runs_need_more_time() {
 fn more_time_decides_only_what_is_sought() {
     let scratch = Scratch::new();
     let block = |friction: &str| {
-        let text = format!(
-            "schema: 1\nname: a\nseed: 5\nmodel: {{kind: block_on_belt{friction}}}\n\
-             initial_conditions: {{design: {{monte_carlo: {{samples: 8}}}}}}\n\
-             simulation: {{end_time_s: {AT_ONCE:e}}}\n"
-        );
-        scratch.write("a.yaml", text);
-        let out = format!("run a.yaml --out out-{}", friction.len());
-        scratch.well(&out)
+        let model = format!("model: {{kind: block_on_belt{friction}}}\n");
+        scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, &model));
+        scratch.well(&format!("run a.yaml --out out-{}", friction.len()))
     };
     let rests = "8 of 8 runs are undecided; the program finds neither limit cycles of block_on_belt nor rests in which a contact \
                  sticks, so that a larger simulation.end_time_s or simulation.extend decides only runs that are irregular or \

@@ -112,8 +112,8 @@ fn the_tables_of_a_motion() {
     }
     scratch.well("replay a 1 --times 0.1:0.3:201 --out c");
     for file in ["trajectory.parquet", "switches.parquet"] {
-        let [one, other] = ["b", "c"].map(|folder| scratch.bytes(&format!("{folder}/{file}")));
-        assert!(one == other, "{file}");
+        let [first, again] = ["b", "c"].map(|folder| scratch.bytes(&format!("{folder}/{file}")));
+        assert!(first == again, "{file}");
     }
 }
 
@@ -149,11 +149,11 @@ fn the_motion_of_a_disc_that_starts() {
             at.nth(place).expect("two rows at the kick").0
         });
         assert_eq!((x[before], y[before]), (x[after], y[after]));
-        let [one, other] = ["x_dot_inertial_m_s", "y_dot_inertial_m_s"].map(of);
-        let jump = (one[after] - one[before]).hypot(other[after] - other[before]);
+        let [along, across] = ["x_dot_inertial_m_s", "y_dot_inertial_m_s"].map(of);
+        let jump = (along[after] - along[before]).hypot(across[after] - across[before]);
         // The impact of balls that touched before the kick moves the table by a few µm/s.
         assert!((jump - 0.2).abs() < 1e-5, "{jump} m/s");
-        let direction = (other[after] - other[before]).atan2(one[after] - one[before]);
+        let direction = (across[after] - across[before]).atan2(along[after] - along[before]);
         assert!((direction - 1.0).abs() < 1e-4, "{direction} rad");
         // Only balls that rest change their phase, and each does.
         let switches = scratch.table(&out, "switches");
@@ -168,7 +168,7 @@ fn the_motion_of_a_disc_that_starts() {
         scratch.well(&format!("replay a {run} --times 1.5:1.5:1 --out b"));
         let at = scratch.table("b", "trajectory");
         let found = numbers(&at, "x_dot_inertial_m_s")[0].expect("a speed at the requested time");
-        assert!((found - one[after]).abs() < 1e-12, "{found}");
+        assert!((found - along[after]).abs() < 1e-12, "{found}");
         fs::remove_dir_all(scratch.path("b")).expect("a folder of this test");
     }
     assert!(broken_loose > 0, "no ball rests at the kick");
@@ -193,6 +193,7 @@ fn a_row_that_is_not_the_run_is_shown() {
     assert_eq!(report["same_as_row"], false);
     assert_eq!(report["differences"][0]["column"], "steps");
 
+    let right = scratch.bytes("out/runs.parquet");
     rewrite(&scratch, "runs", |batch| without(batch, "steps"));
     let lacks = ["runs.parquet: this table of runs lacks a column", "no column steps", "allowed: "];
     scratch.refused("replay out 0", &lacks);
@@ -203,22 +204,30 @@ fn a_row_that_is_not_the_run_is_shown() {
     scratch.refused("replay out 0", &["runs.parquet: this is not the file that was written"]);
     scratch.list_again("out", "runs.parquet");
     scratch.refused("replay out 0", &[unreadable, "found: "]);
-}
-
-/// A short footer that announces 2^31 - 1 columns and a truncated footer are refused without allocating memory.
-#[test]
-fn a_hostile_table_of_runs_is_refused() {
-    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 2}}", 0.05, ""));
-    let right = scratch.bytes("out/runs.parquet");
+    // A short footer that announces 2^31 - 1 columns and a truncated footer are refused without allocating memory.
     let announced = [0x15, 2, 0x19, 0x1c, 0x48, 1, b'a', 0x15, 0xfe, 0xff, 0xff, 0xff, 0x0f, 0, 0];
     let announced = [b"PAR1", &announced[..], &15_u32.to_le_bytes(), b"PAR1"].concat();
     let cut_off = [&right[..right.len() / 2], &right[right.len() - 8..]].concat();
     for hostile in [announced, cut_off] {
         scratch.write("out/runs.parquet", hostile);
         scratch.list_again("out", "runs.parquet");
-        let parts = ["runs.parquet: this is not a readable table of runs", "a footer", "allowed: "];
-        scratch.refused("replay out 0", &parts);
+        scratch.refused("replay out 0", &[unreadable, "a footer", "allowed: "]);
     }
+}
+
+/// In the results of an interrupted study, a missing run can be replayed, without a comparison. A killed study has no tables,
+/// but its finished runs are in `chunks/`.
+#[test]
+fn runs_of_studies_that_did_not_end() {
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
+    kill(&scratch);
+    let ended = scratch.tells("replay out 3 --json", 0, &["equal to its row in all "]);
+    assert_eq!(ended.json()["same_as_row"], true);
+    assert_eq!(scratch.stickslip("run a.yaml --out a --max-seconds 0").code, Some(130));
+    let said = ["not compared, because a has not finished this run yet (the study has 9 runs)"];
+    let ended = scratch.tells("replay a 3 --json", 0, &said);
+    assert!(ended.json()["same_as_row"].is_null());
+    assert!(column(&scratch.table("a-replay-3", "trajectory"), "x_m").len() > 3);
 }
 
 #[test]
@@ -245,26 +254,4 @@ replay a 0 --times 0:1:0 ¦ number of times "0" ¦ as in 0:5:2001 (FROM:TO:N in 
 replay a 0 --times 0:nan:2 ¦ the times ¦ as in 0:5:2001 (FROM:TO:N in s)
 replay a 0 --times 0:1:3 --every-step ¦ cannot be used with ¦ --every-step"#;
     scratch.refuses("", &table.replace("OTHER", &other.to_string()));
-}
-
-/// In the results of an interrupted study, a missing run can be replayed, without a comparison.
-#[test]
-fn a_run_that_is_not_there_yet() {
-    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
-    assert_eq!(scratch.stickslip("run a.yaml --out a --max-seconds 0").code, Some(130));
-    let said = ["not compared, because a has not finished this run yet (the study has 9 runs)"];
-    let ended = scratch.tells("replay a 3 --json", 0, &said);
-    let report = ended.json();
-    assert!(report["same_as_row"].is_null());
-    assert!(column(&scratch.table("a-replay-3", "trajectory"), "x_m").len() > 3);
-}
-
-/// A killed study has no tables, but its finished runs are in `chunks/`.
-#[test]
-fn a_run_of_a_killed_study() {
-    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 9}}", 0.02, ""));
-    kill(&scratch);
-    let ended = scratch.tells("replay out 3 --json", 0, &["equal to its row in all "]);
-    let report = ended.json();
-    assert_eq!(report["same_as_row"], true);
 }

@@ -1,7 +1,5 @@
 //! `replay` of balls that touch: gaps in the trajectory, the table of touches, the text and the animation.
 
-use std::fs;
-
 use arrow::array::{AsArray, RecordBatch};
 use serde_json::Value;
 
@@ -34,8 +32,7 @@ fn a_run_with_contact_has_its_touches() {
     let runs = scratch.table("a", "runs");
     let mut impacts = 0;
     for run in 0..4 {
-        let replayed = scratch.well(&format!("replay a {run} --json"));
-        let json: Value = serde_json::from_str(&replayed).unwrap();
+        let json = scratch.json(&format!("replay a {run} --json"));
         let out = format!("a-replay-{run}");
         let files = ["trajectory.parquet", "switches.parquet", "touches.parquet", "replay.html"];
         assert_eq!(json["files"].as_array().unwrap()[..4], files);
@@ -59,7 +56,7 @@ fn a_run_with_contact_has_its_touches() {
         let times = known(&trajectory, "time_s");
         let behind = counts(&touches, "ball_behind");
         for (time, behind) in known(&touches, "time_s").into_iter().zip(behind) {
-            let place = times.iter().position(|one| *one == time).expect("a row");
+            let place = times.iter().position(|at| *at == time).expect("a row");
             let width = if behind == 1 { gap[place] } else { other[place] };
             assert!(width.abs() < 1e-8, "{time} {width}");
         }
@@ -72,63 +69,44 @@ fn a_run_with_contact_has_its_touches() {
     assert!(impacts > 10, "{impacts}");
 }
 
+/// The columns of gaps and touches; the text, in which switches and touches have the order of time; and the animation, which
+/// has the gaps, whether balls touch in each frame, and the times of the impacts in its interval.
 #[test]
-fn the_columns_of_gaps_and_touches() {
+fn tables_text_and_animation_have_the_touches() {
     let scratch = results();
-    scratch.well("replay a 0");
-    let trajectory = columns(&scratch.table("a-replay-0", "trajectory"));
+    let text = scratch.well("replay a 0");
+    let [trajectory, touches, switches] =
+        ["trajectory", "touches", "switches"].map(|name| scratch.table("a-replay-0", name));
+    let named = columns(&trajectory);
     let gaps = ["gap_1_2_rad n rad", "touching_1_2 b -", "gap_2_1_rad n rad", "touching_2_1 b -"];
-    let first = trajectory.iter().position(|name| name == gaps[0]).expect("gaps");
-    assert_eq!(trajectory[first..first + 4], gaps);
+    let first = named.iter().position(|name| name == gaps[0]).expect("gaps");
+    assert_eq!(named[first..first + 4], gaps);
     let expected = listed(
         "time_s n s, ball_behind c -, ball_ahead c -, from w -, to w -, beta_behind_rad n rad, \
          beta_ahead_rad n rad, opening_speed_before_rad_s n rad/s, \
          opening_speed_after_rad_s n rad/s, time n 1 (non-dimensional)",
     );
-    assert_eq!(columns(&scratch.table("a-replay-0", "touches")), expected);
+    assert_eq!(columns(&touches), expected);
 
-    // Without contact there are neither.
-    scratch.write("b.yaml", study_text("b", "{monte_carlo: {samples: 1}}", 0.2, ""));
-    scratch.well("run b.yaml --out b");
-    scratch.well("replay b 0");
-    let plain = columns(&scratch.table("b-replay-0", "trajectory"));
-    let without: Vec<String> =
-        trajectory.into_iter().filter(|name| !gaps.contains(&name.as_str())).collect();
-    assert_eq!(plain, without);
-    assert!(!scratch.path("b-replay-0/touches.parquet").exists());
-}
-
-/// A pipe receives switches and touches in the order of time.
-#[test]
-fn the_text_has_switches_and_touches() {
-    let scratch = results();
-    let text = scratch.well("replay a 0");
-    let [switches, touches] =
-        ["switches", "touches"].map(|name| scratch.table("a-replay-0", name).num_rows());
-    assert!(switches > 0 && touches > 0, "{switches} {touches}");
+    let (switches, touched) = (switches.num_rows(), touches.num_rows());
+    assert!(switches > 0 && touched > 0, "{switches} {touched}");
     let mut lines = text.lines();
     assert_has(lines.next().unwrap(), &["opening_before_rad_s", "opening_after_rad_s"]);
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split_whitespace().collect()).collect();
-    assert_eq!(rows.len(), switches + touches);
+    assert_eq!(rows.len(), switches + touched);
     let times: Vec<f64> = rows.iter().map(|row| row[0].parse().unwrap()).collect();
     assert!(times.is_sorted(), "{times:?}");
     let pairs = rows.iter().filter(|row| ["1-2", "2-1"].contains(&row[1]));
-    assert_eq!(pairs.clone().count(), touches);
+    assert_eq!(pairs.clone().count(), touched);
     for row in pairs {
         assert!(["open", "closed"].contains(&row[2]) && row[4..7] == ["-", "-", "-"], "{row:?}");
     }
-}
 
-/// The animation has the gaps, whether balls touch in each frame, and the times of the impacts in its interval.
-#[test]
-fn the_animation_has_the_touches() {
-    let scratch = results();
-    scratch.well("replay a 0");
-    let all = known(&scratch.table("a-replay-0", "touches"), "time_s");
+    let all = known(&touches, "time_s");
     let half = all[all.len() / 2];
     scratch.well(&format!("replay a 0 --times 0:{half}:3 --out part"));
     let data = |directory: &str| -> Value {
-        let page = fs::read_to_string(scratch.path(directory).join("replay.html")).unwrap();
+        let page = scratch.text(&format!("{directory}/replay.html"));
         let begin = page.find("const data = ").unwrap() + "const data = ".len();
         let text = page[begin..].lines().next().unwrap().trim_end_matches(';');
         serde_json::from_str(text).unwrap()
@@ -137,15 +115,20 @@ fn the_animation_has_the_touches() {
     assert_eq!(whole["gaps"], serde_json::json!([[0, 1], [1, 0]]));
     let frames = whole["x"].as_array().unwrap().len();
     let touching = whole["touching"].as_array().unwrap();
-    assert!(touching.iter().all(|one| one.as_str().unwrap().len() == frames));
-    let runs = scratch.table("a", "runs");
+    assert!(touching.iter().all(|pair| pair.as_str().unwrap().len() == frames));
     let impacts = |data: &Value| data["impacts"].as_array().unwrap().len() as u64;
-    assert_eq!(impacts(&whole), counts(&runs, "impacts")[0]);
+    assert_eq!(impacts(&whole), counts(&scratch.table("a", "runs"), "impacts")[0]);
     assert!((1..impacts(&whole)).contains(&impacts(&data("part"))));
 
+    // Without contact there is none of this.
     scratch.write("b.yaml", study_text("b", "{monte_carlo: {samples: 1}}", 0.2, ""));
     scratch.well("run b.yaml --out b");
     scratch.well("replay b 0");
+    let plain = columns(&scratch.table("b-replay-0", "trajectory"));
+    let without: Vec<String> =
+        named.into_iter().filter(|name| !gaps.contains(&name.as_str())).collect();
+    assert_eq!(plain, without);
+    assert!(!scratch.path("b-replay-0/touches.parquet").exists());
     let plain = data("b-replay-0");
     assert!(plain["gaps"].is_null() && plain["impacts"].is_null() && plain["touching"].is_null());
 }

@@ -20,8 +20,8 @@ fn figure<'a>(data: &'a Value, id: &str) -> &'a Value {
 /// Returns the numbers of the runs behind the dots of a panel's layer.
 fn run_ids(panel: &Value, layer: &str) -> Vec<u64> {
     let layers = panel["layers"].as_array().unwrap();
-    let named = layers.iter().filter(|one| one["name"] == layer && one["mark"] == "dots");
-    named.flat_map(|one| whole(&one["tooltips"]["run_ids"])).collect()
+    let named = layers.iter().filter(|of| of["name"] == layer && of["mark"] == "dots");
+    named.flat_map(|layer| whole(&layer["tooltips"]["run_ids"])).collect()
 }
 
 /// Returns integers, packed or not.
@@ -96,26 +96,29 @@ fn failures_and_flips_are_in_plain_sight() {
     assert_eq!(text.matches("<code>stickslip replay out ").count(), notable);
     // Text of the study and of errors is escaped in the page.
     assert!(!text.contains("<script>alert"));
+    // Figures report the failed runs that they cannot show, and label results that are not sampled.
+    let failed = counts(&scratch.table("out", "points"), "failed_runs")[0];
+    assert!(failed > 0);
+    assert_has(&text, &[format!("Failed runs are not shown: {failed} of 20 at speed")]);
+    assert_has(&text, &["is the median over the runs; each run has its own ball mass."]);
+    let data = data(&text);
+    let curve = figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"].as_str().unwrap();
+    assert!(curve.ends_with(&format!("({failed} failed)")), "{curve}");
 }
 
 #[test]
 fn all_kinds_of_studies_have_a_page() {
-    let one = "model: {kind: ball_balancer, parameters: {balls: N}}\n";
+    let balls = "model: {kind: ball_balancer, parameters: {balls: N}}\n";
     // It sticks and slips, because friction drops when it slides.
     let belt = "model: {kind: block_on_belt, friction: {stribeck: {static_friction_coefficient: 0.2, \
                 stribeck_speed_m_s: 0}}}\n";
     for (model, figures) in [
-        (one.replace('N', "1"), ["preferred-equilibria", "basins"]),
-        (one.replace('N', "4"), ["preferred-equilibria", "basins"]),
+        (balls.replace('N', "1"), ["preferred-equilibria", "basins"]),
+        (balls.replace('N', "4"), ["preferred-equilibria", "basins"]),
         ("model: {kind: block_on_spring}\n".to_owned(), ["preferred-equilibria", "time-to-rest"]),
         (belt.to_owned(), ["limit-cycles", "exceedance"]),
     ] {
-        let scratch = Scratch::new();
-        let design = "initial_conditions: {design: {monte_carlo: {samples: 30}}}\n";
-        let simulation = "simulation: {end_time_s: 20}\n";
-        scratch
-            .write("a.yaml", format!("schema: 1\nname: a\nseed: 5\n{model}{design}{simulation}"));
-        scratch.well("run a.yaml --out out");
+        let scratch = Scratch::ran(study(30, 20.0, &model));
         scratch.well("report out");
         let data = data(&scratch.text("out-report.html"));
         for id in figures {
@@ -153,22 +156,6 @@ fn further_parameters_have_maps_of_their_own() {
     }
     let curves = &figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"];
     assert_eq!(curves, "\u{2212}160, 1e\u{2212}5, lagrange");
-}
-
-/// Figures report the failed runs that they cannot show, and label results that are not sampled.
-#[test]
-fn figures_say_what_they_leave_out() {
-    let (scratch, _) = finished();
-    scratch.well("report out");
-    let text = scratch.text("out-report.html");
-    let points = scratch.table("out", "points");
-    let failed = counts(&points, "failed_runs");
-    assert!(failed[0] > 0);
-    assert_has(&text, &[format!("Failed runs are not shown: {} of 20 at speed", failed[0])]);
-    assert_has(&text, &["is the median over the runs; each run has its own ball mass."]);
-    let data = data(&text);
-    let curve = figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"].as_str().unwrap();
-    assert!(curve.ends_with(&format!("({} failed)", failed[0])), "{curve}");
 }
 
 #[test]

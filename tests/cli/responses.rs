@@ -52,7 +52,8 @@ fn a_point_has_the_responses_of_the_same_design() {
     let runs = scratch.table("out", "runs");
     let of = |name: &str| numbers(&runs, name).into_iter().map(Option::unwrap).collect::<Vec<_>>();
     let (amplitude, relative) = (of("amplitude_m"), of("relative_amplitude"));
-    let without: Vec<f64> = amplitude.iter().zip(&relative).map(|(own, part)| own / part).collect();
+    let without: Vec<f64> =
+        amplitude.iter().zip(&relative).map(|(metres, part)| metres / part).collect();
     let first = &without[..24];
     let number = |name: &str| {
         numbers(&points, &format!("response_{name}_without_balls"))[0]

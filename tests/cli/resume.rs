@@ -152,8 +152,8 @@ fn a_run_of_another_case_is_not_taken() {
     let [ours, other] = ["out", "other"].map(|directory| scratch.chunks(directory));
     // The other study's runs with our study's hash in front.
     let mut bytes = fs::read(other.join("000000.chunk")).unwrap();
-    let own = fs::read(ours.join("000000.chunk")).unwrap();
-    bytes[..88].copy_from_slice(&own[..88]);
+    let right = fs::read(ours.join("000000.chunk")).unwrap();
+    bytes[..88].copy_from_slice(&right[..88]);
     fs::write(ours.join("000000.chunk"), &bytes).unwrap();
     let list = fs::read_to_string(ours.join("manifest.jsonl")).unwrap();
     let mut lines: Vec<String> = list.lines().map(str::to_owned).collect();
@@ -185,19 +185,6 @@ fn what_cannot_be_resumed_is_refused() {
     scratch.write("out/study.yaml", study("seed: 6\n"));
     let edited = ["the study has been edited since the run", "found:   a study.yaml", "allowed: "];
     scratch.refused("resume out", &edited);
-}
-
-/// Tables that were changed after a study was complete are made again; the changed ones are moved
-/// aside.
-#[test]
-fn changed_tables_are_made_again() {
-    let scratch = Scratch::ran(study("seed: 5\n"));
-    let before = scratch.data("out");
-    scratch.write("out/runs.parquet", &before[0][..100]);
-    let said = ["changed since", "runs.parquet of 100 bytes", "earlier/1", " 0 computed"];
-    scratch.tells("run a.yaml --out out", 0, &said);
-    assert_eq!(scratch.data("out"), before);
-    assert_eq!(scratch.bytes("out/earlier/1/runs.parquet"), before[0][..100]);
 }
 
 /// Runs of another version of the model are not mixed with those of this one.

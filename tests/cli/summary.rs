@@ -65,6 +65,32 @@ fn the_table_is_the_one_that_run_prints() {
         assert_eq!(cells.len(), lines[0].trim_matches('|').split('|').count());
     }
     assert_eq!(scratch.files(), before);
+    // The first numbers of a line are the residual vibration in µm, as in `points.parquet`, and the sentence below counts the
+    // points at which most runs vibrate more than without balls.
+    let columns = ["amplitude_p50_m", "amplitude_p95_m", "amplitude_without_balls_m"];
+    for (point, line) in printed.lines().skip(2).take(3).enumerate() {
+        // The number of the point and three swept parameters precede them.
+        let cells: Vec<f64> =
+            line.split_whitespace().skip(4).take(3).map(|cell| cell.parse().unwrap()).collect();
+        for (name, cell) in columns.iter().zip(cells) {
+            let value = 1e6 * numbers(&points, name)[point].unwrap();
+            assert!((cell / value - 1.0).abs() < 0.01, "{name}: {cell} and {value}\n{printed}");
+        }
+    }
+    let worse = numbers(&points, "worse_than_without_balls_fraction");
+    let mostly = |holds: fn(f64) -> bool| worse.iter().filter(|part| holds(part.unwrap())).count();
+    let said = match (mostly(|part| part > 0.5), mostly(|part| part < 0.5)) {
+        (0, 3) => "At all 3 points most runs vibrate less than ".to_owned(),
+        (0, _) => "At none of the 3 points ".to_owned(),
+        (more, _) => format!("At {more} of 3 points most runs vibrate more than "),
+    };
+    assert_has(&printed, &[said]);
+    let json: Value = scratch.stickslip("run a.yaml --out out --json").json();
+    assert_eq!(json["failures"], json!({"invalid_parameters": failed}));
+    for (point, worse) in worse.iter().enumerate() {
+        let row = &json["points"][point];
+        assert_eq!(row["worse_than_without_balls_fraction"], json!(worse));
+    }
 }
 
 #[test]
@@ -89,39 +115,6 @@ fn a_complete_study_that_is_run_again_shows_its_points() {
     let flags = ["already_complete", "interrupted"].map(|key| again[key].clone());
     assert_eq!(flags, [json!(true), json!(false)]);
     assert_eq!(scratch.stickslip("run a.yaml --out out --quiet").out, "");
-}
-
-/// The first numbers of a line are the residual vibration in µm, as in `points.parquet`, and the
-/// sentence below counts the points at which most runs vibrate more than without balls.
-#[test]
-fn residual_vibration_comes_first() {
-    let (scratch, printed) = finished();
-    let points = scratch.table("out", "points");
-    let columns = ["amplitude_p50_m", "amplitude_p95_m", "amplitude_without_balls_m"];
-    for (point, line) in printed.lines().skip(2).take(3).enumerate() {
-        // The number of the point and three swept parameters precede them.
-        let cells: Vec<f64> =
-            line.split_whitespace().skip(4).take(3).map(|cell| cell.parse().unwrap()).collect();
-        for (name, cell) in columns.iter().zip(cells) {
-            let value = 1e6 * numbers(&points, name)[point].unwrap();
-            assert!((cell / value - 1.0).abs() < 0.01, "{name}: {cell} and {value}\n{printed}");
-        }
-    }
-    let worse = numbers(&points, "worse_than_without_balls_fraction");
-    let mostly = |holds: fn(f64) -> bool| worse.iter().filter(|one| holds(one.unwrap())).count();
-    let said = match (mostly(|one| one > 0.5), mostly(|one| one < 0.5)) {
-        (0, 3) => "At all 3 points most runs vibrate less than ".to_owned(),
-        (0, _) => "At none of the 3 points ".to_owned(),
-        (more, _) => format!("At {more} of 3 points most runs vibrate more than "),
-    };
-    assert_has(&printed, &[said]);
-    let json: Value = scratch.stickslip("run a.yaml --out out --json").json();
-    let failed: u64 = counts(&points, "failed_runs").iter().sum();
-    assert_eq!(json["failures"], json!({"invalid_parameters": failed}));
-    for (point, worse) in worse.iter().enumerate() {
-        let row = &json["points"][point];
-        assert_eq!(row["worse_than_without_balls_fraction"], json!(worse));
-    }
 }
 
 /// Blocks have no equilibrium set, and a required precision is reported each time.
@@ -237,7 +230,10 @@ fn as_many_points_as_are_asked_for() {
 #[test]
 fn interrupted_results_say_what_is_missing() {
     let scratch = Scratch::with(study(20, 0.5, REST));
-    assert_eq!(scratch.stickslip("run a.yaml --out out --max-seconds 0").code, Some(130));
+    let said = ["out of time (--max-seconds) after 0 of 60 runs", "the same command continues"];
+    let stopped = scratch.tells("run a.yaml --out out --max-seconds 0 --json", 130, &said).json();
+    assert_eq!((&stopped["interrupted"], &stopped["runs_finished"]), (&json!(true), &json!(0)));
+    assert_eq!(scratch.table("out", "runs").num_rows(), 0);
     let text = scratch.well("summary out");
     let said = "0 of 60 runs finished, 60 are missing (`stickslip resume out` continues), 0 failed";
     assert_has(&text, &[said]);
@@ -260,20 +256,9 @@ fn interrupted_results_say_what_is_missing() {
 
 #[test]
 fn a_study_whose_runs_have_all_failed() {
-    let scratch = Scratch::new();
-    let rest = "uncertain: {ball_mass_kg: {normal: {mean: 1.4e-4, std_dev: 1.0}}}\n";
-    // About half of the masses are negative; for one of the first seeds all of them are.
-    let ended = (0..100).find_map(|seed| {
-        let text = study(2, AT_ONCE, rest).replace("seed: 5\n", &format!("seed: {seed}\n"));
-        scratch.write("a.yaml", text);
-        let ended = scratch.stickslip("run a.yaml --out out");
-        if ended.code == Some(3) && ended.err.contains("2 of 2 runs failed") {
-            return Some(ended);
-        }
-        fs::remove_dir_all(scratch.path("out")).unwrap();
-        None
-    });
-    let ended = ended.unwrap();
+    let rest = "uncertain: {ball_mass_kg: {normal: {mean: -1, std_dev: 1.0e-3}}}\n";
+    let scratch = Scratch::with(study(2, AT_ONCE, rest));
+    let ended = scratch.tells("run a.yaml --out out", 3, &["2 of 2 runs failed"]);
     let said = ["all 2 runs finished, 2 failed (", "invalid_parameters)", "  0/2  "];
     let text = scratch.prints("summary out", &said);
     assert!(text.ends_with(&ended.out));
@@ -346,6 +331,10 @@ fn a_running_study_is_summarised() {
     assert_has(&page, &["1076 of 2100 runs are missing (51.2 %); points 1 and 2 are incomplete"]);
     fs::remove_file(scratch.path("a.html")).unwrap();
     assert_eq!(scratch.files(), before);
+    for command in ["run a.yaml --out out", "resume out"] {
+        let busy = ["out: another process is writing into this directory", "allowed: wait"];
+        assert_eq!(scratch.tells(command, 1, &busy).out, "");
+    }
     drop(lock);
 }
 

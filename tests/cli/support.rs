@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs::{self, DirEntry, File};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::thread;
@@ -36,7 +36,6 @@ pub const AT_ONCE: f64 = 1.0e-5;
 /// A directory that is removed at the end of the test.
 pub struct Scratch(TempDir);
 
-/// The result of a finished program.
 #[derive(Debug)]
 pub struct Ended {
     pub code: Option<i32>,
@@ -68,7 +67,6 @@ impl Scratch {
         self.0.path().join(name)
     }
 
-    /// Writes a file.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path(name);
         fs::write(&path, content).unwrap();
@@ -156,13 +154,11 @@ impl Scratch {
         text
     }
 
-    /// Returns the text of a file.
     #[track_caller]
     pub fn text(&self, name: &str) -> String {
         String::from_utf8(self.bytes(name)).expect("UTF-8")
     }
 
-    /// Returns the content of a file.
     #[track_caller]
     pub fn bytes(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
@@ -187,13 +183,19 @@ impl Scratch {
         files
     }
 
+    /// Returns the names in a directory.
+    pub fn names(&self, directory: &str) -> BTreeSet<String> {
+        let entries = fs::read_dir(self.path(directory)).expect("a directory");
+        let name = |entry: io::Result<DirEntry>| entry.expect("an entry").file_name();
+        entries.map(|entry| name(entry).into_string().expect("UTF-8")).collect()
+    }
+
     /// Returns a table of an output directory.
     #[track_caller]
     pub fn table(&self, directory: &str, name: &str) -> RecordBatch {
         table(&self.path(directory).join(format!("{name}.parquet")))
     }
 
-    /// Returns the manifest of an output directory.
     #[track_caller]
     pub fn manifest(&self, directory: &str) -> serde_json::Value {
         serde_json::from_str(&self.text(&format!("{directory}/manifest.json"))).expect("JSON")
@@ -218,7 +220,6 @@ impl Scratch {
         folder.clone()
     }
 
-    /// Returns the data files of an output directory.
     pub fn data(&self, directory: &str) -> Vec<Vec<u8>> {
         DATA_FILES.map(|name| self.bytes(&format!("{directory}/{name}"))).to_vec()
     }
@@ -275,13 +276,15 @@ pub fn table(path: &Path) -> RecordBatch {
     concat_batches(&schema, &batches).unwrap()
 }
 
-/// Returns a column by its name.
+pub fn names(table: &RecordBatch) -> Vec<String> {
+    table.schema().fields().iter().map(|field| field.name().clone()).collect()
+}
+
 #[track_caller]
 pub fn column<'a>(table: &'a RecordBatch, name: &str) -> &'a ArrayRef {
     table.column_by_name(name).unwrap_or_else(|| panic!("no column {name}"))
 }
 
-/// Returns a column of numbers.
 #[track_caller]
 pub fn numbers(table: &RecordBatch, name: &str) -> Vec<Option<f64>> {
     column(table, name).as_primitive::<Float64Type>().iter().collect()
@@ -321,22 +324,6 @@ pub fn row(table: &RecordBatch, index: usize, without: &[&str]) -> Vec<(String, 
             let cells =
                 arrow::util::display::ArrayFormatter::try_new(column.as_ref(), &options).unwrap();
             (field.name().clone(), cells.value(index).to_string())
-        })
-        .collect()
-}
-
-/// Returns rows as text by a key made of columns, without the named columns.
-#[track_caller]
-pub fn rows_by_key(
-    table: &RecordBatch,
-    key: &[&str],
-    without: &[&str],
-) -> BTreeMap<Vec<String>, Vec<(String, String)>> {
-    (0..table.num_rows())
-        .map(|index| {
-            let cells: BTreeMap<String, String> = row(table, index, &[]).into_iter().collect();
-            let key = key.iter().map(|name| cells[*name].clone()).collect();
-            (key, row(table, index, without))
         })
         .collect()
 }

@@ -42,20 +42,6 @@ fn every_command_that_reads_a_study_has_the_option() {
 }
 
 #[test]
-fn results_do_not_depend_on_the_option() {
-    let scratch = scratch();
-    scratch.well("run studies/a.yaml --tables tables --out one");
-    fs::copy(scratch.path("tables/speeds.csv"), scratch.path("studies/speeds.csv")).unwrap();
-    let text = scratch.text("studies/a.yaml");
-    scratch.write("studies/b.yaml", text.replace("../tables/", ""));
-    scratch.well("run studies/b.yaml --out two");
-    assert_eq!(scratch.data("one"), scratch.data("two"));
-    // The study file in the results needs no table and no option.
-    scratch.well("run one/study.yaml --out three");
-    assert_eq!(scratch.data("one"), scratch.data("three"));
-}
-
-#[test]
 fn manifests_do_not_lead_out_of_their_directory() {
     let scratch = scratch();
     scratch.well("run studies/a.yaml --tables tables --out out");

@@ -1,9 +1,8 @@
 //! Wrong arguments and unreadable studies: exit code 2, one message, nothing written.
 
 use std::fs;
-use std::process::Command;
 
-use super::support::{AT_ONCE, Scratch, study_text};
+use super::support::{AT_ONCE, Ended, Scratch, assert_has, study_text};
 
 fn scratch() -> Scratch {
     Scratch::with(study_text("a", "{monte_carlo: {samples: 4}}", AT_ONCE, ""))
@@ -53,27 +52,33 @@ misspelt.yaml ¦ misspelt.yaml:5: ¦ smaples ¦ samples (did you mean this?)",
     }
 }
 
-/// Paragraphs of the help fill the width of the terminal: a line ends only where the next word does
-/// not fit.
+/// Each command shows examples, and paragraphs of its help fill the width of the terminal: a line ends only where the next
+/// word does not fit.
 #[test]
-fn help_is_wrapped_once() {
+fn help_has_examples_and_is_wrapped_once() {
+    let scratch = Scratch::new();
+    scratch.prints("--help", &["Examples:\n  stickslip ", "130  interrupted"]);
+    let version = format!("stickslip {}\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!(scratch.well("--version"), version);
     let mut paragraphs = 0;
     for width in [72_usize, 100] {
         for command in stickslip::cli::definition().get_subcommands() {
-            let output = Command::new(env!("CARGO_BIN_EXE_stickslip"))
-                .args([command.get_name(), "--help"])
-                .env("COLUMNS", width.to_string())
-                .output()
-                .unwrap();
-            let help = String::from_utf8(output.stdout).unwrap();
-            let (_, help) = help.split_once("Examples:").unwrap();
-            for pair in help.lines().collect::<Vec<_>>().windows(2) {
+            let name = command.get_name();
+            let help = |arguments: &str| {
+                let mut command = scratch.command(arguments);
+                Ended::of(command.env("COLUMNS", width.to_string()).output().expect("it ends")).out
+            };
+            let text = help(&format!("{name} --help"));
+            assert_eq!(text, help(&format!("help {name}")));
+            let (_, examples) = text.split_once("Examples:").expect("examples");
+            assert_has(examples, &[format!("  stickslip {name} ")]);
+            for pair in examples.lines().collect::<Vec<_>>().windows(2) {
                 let &[line, next] = pair else { continue };
                 let prose = |line: &str| !line.is_empty() && !line.starts_with(' ');
                 if prose(line) && prose(next) {
                     let word = next.split(' ').next().unwrap().chars().count();
                     let fits = line.chars().count() + 1 + word <= width;
-                    assert!(!fits, "{} at {width}: {line:?}, {next:?}", command.get_name());
+                    assert!(!fits, "{name} at {width}: {line:?}, {next:?}");
                     paragraphs += 1;
                 }
             }

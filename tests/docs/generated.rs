@@ -33,10 +33,9 @@ const PARTS: [(&str, &str); 8] = [
     ),
 ];
 
-/// Returns the names of the computed parts of a page.
 fn parts_of(page: &str) -> Vec<&'static str> {
-    let own = PARTS.iter().filter(|(own, _)| *own == page);
-    own.flat_map(|(_, parts)| parts.split_whitespace()).collect()
+    let of_page = PARTS.iter().filter(|(other, _)| *other == page);
+    of_page.flat_map(|(_, parts)| parts.split_whitespace()).collect()
 }
 
 fn writes() -> bool {

@@ -23,8 +23,8 @@ fn record() -> Value {
     let record: Value = serde_json::from_str(&text).expect("JSON");
     let of = record["of"].as_array().expect("a list");
     assert!(!of.is_empty());
-    for one in of {
-        if let Some(why) = stale(one, one["study"].as_str().expect("a study")) {
+    for study in of {
+        if let Some(why) = stale(study, study["study"].as_str().expect("a study")) {
             panic!("{why}; `scripts/identify-synthetic` computes the record anew");
         }
     }
@@ -54,7 +54,7 @@ fn kolmogorov_smirnov(mut values: Vec<f64>) -> f64 {
 fn distances_from_the_uniform_distribution() {
     let even = |index: i32| (f64::from(index) + 0.5) / 100.0;
     assert!(kolmogorov_smirnov((0..100).map(even).collect()) > 0.99);
-    assert!(kolmogorov_smirnov((0..100).map(|one| 0.25 + 0.5 * even(one)).collect()) < 1e-3);
+    assert!(kolmogorov_smirnov((0..100).map(|index| 0.25 + 0.5 * even(index)).collect()) < 1e-3);
 }
 
 /// What the command prints for the shipped measurements, and the truth of these lies within both intervals.
@@ -100,7 +100,7 @@ fn synthetic_measurements() {
         let outcomes = outcomes.as_array().expect("a list");
         let count = outcomes.len();
         assert!(count >= REPETITIONS, "{family}: {count}");
-        let rejected = outcomes.iter().filter(|one| one["fit"]["rejected"] == true).count();
+        let rejected = outcomes.iter().filter(|outcome| outcome["fit"]["rejected"] == true).count();
         if family == "ghosts" {
             assert!(20 * rejected >= 19 * count, "{family}: {rejected} of {count}");
             table.push_str(&format!("| {title} | | {count} | | | | | {rejected} |\n"));
@@ -112,8 +112,9 @@ fn synthetic_measurements() {
         let first = outcomes[0]["parameters"].as_object().expect("parameters");
         for parameter in first.keys() {
             let of = |key: &str| -> Vec<f64> {
-                let value =
-                    |one: &Value| one["parameters"][parameter][key].as_f64().expect("a number");
+                let value = |outcome: &Value| {
+                    outcome["parameters"][parameter][key].as_f64().expect("a number")
+                };
                 outcomes.iter().map(value).collect()
             };
             let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;

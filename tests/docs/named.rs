@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::Value;
+use stickslip::study::json_schema;
 
-use super::{EQUILIBRIA, STUDY_FILE, SYSTEM_FILES, stickslip};
+use super::{EQUILIBRIA, STUDY_FILE, SYSTEM_FILES};
 use crate::cli::support::table;
 
 const RESULTS: &str = include_str!("../../docs/results.md");
@@ -71,9 +72,8 @@ fn keys_of(schema: &Value, keys: &mut BTreeSet<String>) {
 
 #[test]
 fn keys_of_files_are_on_their_pages() {
-    let schema: Value = serde_json::from_slice(&stickslip(&["schema"]).stdout).expect("JSON");
     let mut keys = BTreeSet::new();
-    keys_of(&schema, &mut keys);
+    keys_of(&json_schema(), &mut keys);
     assert!(keys.len() > 80, "{} keys", keys.len());
     for key in keys {
         // A parameter of one ball is on the page as that of all balls.

@@ -98,7 +98,7 @@ fn cd_rom_values(out: &str) -> Value {
     let finals = table(&Path::new(out).join("finalists.parquet"));
     let (roles, relative) = (words(&finals, "role"), numbers(&finals, "relative"));
     let of = |role: &str| -> Vec<f64> {
-        let rows = roles.iter().zip(&relative).filter(|(own, _)| own.as_deref() == Some(role));
+        let rows = roles.iter().zip(&relative).filter(|(found, _)| found.as_deref() == Some(role));
         rows.filter_map(|(_, value)| *value).collect()
     };
     let relative = json!({"best": of("best"), "compare_with": of("compare_with")});
@@ -156,15 +156,18 @@ fn the_cd_rom_drive() {
     // The two largest first-order indices of each response.
     let largest = |response: &str| {
         let all = optimum["sensitivities"].as_array().expect("a list");
-        let mut own: Vec<(f64, &str)> = all
+        let mut indices: Vec<(f64, &str)> = all
             .iter()
-            .filter(|one| one["response"] == response)
-            .map(|one| {
-                (number(&one["first_order"]["value"]), one["variable"].as_str().expect("a name"))
+            .filter(|index| index["response"] == response)
+            .map(|index| {
+                (
+                    number(&index["first_order"]["value"]),
+                    index["variable"].as_str().expect("a name"),
+                )
             })
             .collect();
-        own.sort_by(|one, other| other.0.total_cmp(&one.0));
-        let each = own.iter().take(2).map(|(index, name)| format!("`{name}` {index:.2}"));
+        indices.sort_by(|index, other| other.0.total_cmp(&index.0));
+        let each = indices.iter().take(2).map(|(index, name)| format!("`{name}` {index:.2}"));
         each.collect::<Vec<_>>().join(" and ")
     };
     compare_or_write_part(page, "cd-rom-indices", &largest("vibration_95"));
@@ -182,7 +185,6 @@ fn the_escape_rate() {
     compare_or_write_part("docs/methods.md", "escape-rate", &rate_in_words(&values));
 }
 
-/// Returns the escape rate of a point in `points.parquet`.
 pub fn escape_rate(points: &arrow::array::RecordBatch, point: usize) -> Value {
     let of = |name: &str| numbers(points, name)[point];
     json!({
@@ -257,10 +259,12 @@ fn start_values(out: &str) -> Value {
 fn the_start_of_the_disc() {
     let values = record("startup-profile", "studies/startup-profile.yaml", start_values);
     let finalists = values["finalists"].as_array().expect("a list");
-    let of_role = |role: &str| finalists.iter().find(|one| one["role"] == role).expect("a design");
+    let of_role =
+        |role: &str| finalists.iter().find(|design| design["role"] == role).expect("a design");
     let (plain, best) = (of_role("compare_with"), of_role("best"));
     let at_rest = |design: &&Value| number(&design["quiet"]["value"]);
-    let calmest = finalists.iter().max_by(|one, other| at_rest(one).total_cmp(&at_rest(other)));
+    let calmest =
+        finalists.iter().max_by(|design, other| at_rest(design).total_cmp(&at_rest(other)));
     let designs = [plain, best, calmest.expect("a design")];
     assert!(number(&best["quiet"]["low"]) > 0.9 && number(&plain["quiet"]["high"]) < 0.1);
     assert!(number(&values["ratio"]["high"]) < 1.0 / 3.0);

@@ -1,7 +1,5 @@
 //! The steps of the tutorial work, with fewer runs and designs.
 
-use std::fs;
-
 use crate::cli::support::Scratch;
 
 const TUTORIAL: &str = include_str!("../../docs/tutorial.md");
@@ -51,7 +49,7 @@ fn every_step_of_the_tutorial() {
     for file in ["runs/points.parquet", "responses.parquet", "optimum/sensitivities.parquet"] {
         assert!(scratch.path(file).exists(), "{file}");
     }
-    let optimum = fs::read_to_string(scratch.path("optimum/optimum.json")).unwrap();
+    let optimum = scratch.text("optimum/optimum.json");
     let optimum: serde_json::Value = serde_json::from_str(&optimum).unwrap();
     assert_eq!(optimum["search"]["designs"], 12);
     assert!(optimum["best_over_compare_with"][0]["ratio"]["value"].is_number(), "{optimum}");

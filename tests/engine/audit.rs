@@ -3,7 +3,6 @@
 
 use std::sync::atomic::AtomicBool;
 
-use serde_json::Value;
 use stickslip::analysis::{Z_95, wilson};
 use stickslip::classification::{Evidence, Label, simulate};
 use stickslip::engine::compute;
@@ -163,8 +162,8 @@ fn the_terminal_and_the_json_show_flips_where_there_is_an_audit() {
         ],
     );
     let cost = |name: &str| {
-        let report = scratch.well(&format!("check {name}.yaml --json"));
-        serde_json::from_str::<Value>(&report).unwrap()["core_seconds"].as_f64().unwrap()
+        let report = scratch.json(&format!("check {name}.yaml --json"));
+        report["core_seconds"].as_f64().expect("a cost")
     };
     let ratio = cost("audit") / cost("plain");
     assert!((ratio - 1.0 - 10_f64.powf(1.0 / 16.0)).abs() < 1e-12, "{ratio}");

@@ -1,9 +1,6 @@
 //! Exchanging two balls in the start state and in the machine exchanges the results, to the last
 //! digit.
 
-use stickslip::classification::simulate;
-use stickslip::engine::compute;
-
 use crate::cli::support::{Scratch, numbers, parse, row, study_text, words};
 
 /// Returns start states in the default box for runs that come to rest, keep running, and slip late.
@@ -51,28 +48,28 @@ fn exchanged_gives_exchanged(method: &str, rest: &str, exchanged_rest: &str) {
     let starts = starts();
     let exchanged =
         starts.iter().map(|&[x, y, b1, b2, xd, yd, d1, d2]| [x, y, b2, b1, xd, yd, d2, d1]);
-    let one = run(method, starts.iter().copied(), &format!("{rest}{SPEEDS}"));
+    let first = run(method, starts.iter().copied(), &format!("{rest}{SPEEDS}"));
     let other = run(method, exchanged, &format!("{exchanged_rest}{SPEEDS}"));
-    let (one, other) = (one.table("out", "runs"), other.table("out", "runs"));
-    assert_eq!(one.num_rows(), other.num_rows());
+    let (runs, other) = (first.table("out", "runs"), other.table("out", "runs"));
+    assert_eq!(runs.num_rows(), other.num_rows());
     for (first, second) in OF_ONE_BALL.iter().zip(OF_ONE_BALL.iter().skip(1)).step_by(2) {
         let exact = |numbers: Vec<Option<f64>>| -> Vec<Option<u64>> {
             numbers.into_iter().map(|number| number.map(f64::to_bits)).collect()
         };
-        assert_eq!(exact(numbers(&one, first)), exact(numbers(&other, second)), "{first}");
-        assert_eq!(exact(numbers(&one, second)), exact(numbers(&other, first)), "{second}");
+        assert_eq!(exact(numbers(&runs, first)), exact(numbers(&other, second)), "{first}");
+        assert_eq!(exact(numbers(&runs, second)), exact(numbers(&other, first)), "{second}");
     }
     // Identical balls have no order in a class; different balls have changed places there, too.
     let alike = rest == exchanged_rest;
     let classes = |table| words(table, "cycle_class").into_iter();
     let exchanged_class = |class: String| if alike { class } else { reversed(&class) };
-    assert!(classes(&one).eq(classes(&other).map(|class| class.map(exchanged_class))));
+    assert!(classes(&runs).eq(classes(&other).map(|class| class.map(exchanged_class))));
     // All other columns are equal: label, evidence, times, amplitude, steps, switches.
     let apart = [&OF_ONE_BALL[..], &["cycle_class"]].concat();
-    for index in 0..one.num_rows() {
-        assert_eq!(row(&one, index, &apart), row(&other, index, &apart), "run {index}");
+    for index in 0..runs.num_rows() {
+        assert_eq!(row(&runs, index, &apart), row(&other, index, &apart), "run {index}");
     }
-    let labels = words(&one, "label");
+    let labels = words(&runs, "label");
     let at_rest = labels.iter().filter(|label| label.as_deref() == Some("equilibrium")).count();
     assert!(at_rest > 0 && at_rest < labels.len(), "{at_rest}: the study is too small");
 }
@@ -95,19 +92,5 @@ fn balls_that_differ_change_places_in_the_machine_too() {
     let heavy = "{mass_kg: 1.6e-4, friction_coefficient: 3.0e-3, diameter_m: 3.2e-3}";
     for method in ["switch", "event"] {
         exchanged_gives_exchanged(method, &balls(light, heavy), &balls(heavy, light));
-    }
-}
-
-/// A run that is computed alone equals the run in its study.
-#[test]
-fn a_run_alone_is_the_run_in_its_study() {
-    let text = study_text("a", "{monte_carlo: {samples: 8}}", 5.0, SPEEDS);
-    let study = parse(&text);
-    let scratch = Scratch::ran(&text);
-    let table = scratch.table("out", "runs");
-    for run_id in [23_u64, 0, 11] {
-        let outcome = compute(&study, run_id, simulate).outcome;
-        let found = numbers(&table, "beta_2_rad")[run_id as usize];
-        assert_eq!(found, outcome.position.map(|angles| angles[1]));
     }
 }

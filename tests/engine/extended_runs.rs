@@ -9,7 +9,7 @@ const BLOCK: &str = "model:\n  kind: block_on_belt\n\
                      \x20 friction: {stribeck: {static_friction_coefficient: 0.2, \
                      stribeck_speed_m_s: 0.05}}\n";
 
-/// Runs a study to a short end time, with continuation by a factor, and to the long end time.
+/// Runs a study to a short end time, with continuation by a factor, and to the long end time, and compares the rows.
 fn three_ways(rest: &str, end_time_s: f64, factor: f64) -> Scratch {
     let scratch = Scratch::new();
     let text = |end_time_s| study_text("a", "{latin_hypercube: {samples: 24}}", end_time_s, rest);
@@ -22,44 +22,33 @@ fn three_ways(rest: &str, end_time_s: f64, factor: f64) -> Scratch {
         scratch.write(&format!("{name}.yaml"), text);
         scratch.well(&format!("run {name}.yaml --out {name}"));
     }
+    let [short, extended, long] =
+        ["short", "extended", "long"].map(|name| scratch.table(name, "runs"));
+    let continued = column(&extended, "extended").as_boolean().values().clone();
+    let runs = extended.num_rows();
+    assert!(continued.count_set_bits() >= 5 && continued.count_set_bits() < runs);
+    for run in 0..runs {
+        let expected = if continued.value(run) { &long } else { &short };
+        let cells = |table| row(table, run, &["extended"]);
+        assert_eq!(cells(&extended), cells(expected));
+    }
+    for table in [&short, &long] {
+        assert!(!column(table, "extended").as_boolean().has_true());
+    }
     scratch
 }
 
+/// The rows are those of the longer or the shorter study. If every undecided run is continued, the point tables are those of
+/// the longer study, byte for byte except for the study's identity, including runs that found their cycle late. Runs with
+/// other labels are stopped, and censored, at the study's own end time.
 #[test]
-fn rows_are_those_of_the_longer_or_the_shorter_study() {
-    for (rest, end_time_s) in [(BALLS, 3.0), (BLOCK, 1.0)] {
-        let scratch = three_ways(rest, end_time_s, 2.0);
-        let [short, extended, long] =
-            ["short", "extended", "long"].map(|name| scratch.table(name, "runs"));
-        let continued = column(&extended, "extended").as_boolean().values().clone();
-        let runs = extended.num_rows();
-        assert!(continued.count_set_bits() >= 5 && continued.count_set_bits() < runs);
-        for run in 0..runs {
-            let expected = if continued.value(run) { &long } else { &short };
-            let cells = |table| row(table, run, &["extended"]);
-            assert_eq!(cells(&extended), cells(expected));
-        }
-        for table in [&short, &long] {
-            assert!(!column(table, "extended").as_boolean().has_true());
-        }
-    }
-}
-
-/// If every undecided run is continued, the point tables are those of the longer study, byte for
-/// byte except for the study's identity, including runs that found their cycle late.
-#[test]
-fn points_are_those_of_the_longer_study() {
+fn continued_runs_are_those_of_the_longer_study() {
+    three_ways(BLOCK, 1.0, 2.0);
     let scratch = three_ways(BALLS, 3.0, 2.0);
     for name in ["points", "time_to_rest", "equilibria"] {
         let [extended, long] = ["extended", "long"].map(|way| scratch.table(way, name));
         assert_eq!(extended.columns(), long.columns(), "{name}");
     }
-}
-
-/// Runs with other labels are stopped, and censored, at the study's own end time.
-#[test]
-fn the_curve_goes_to_both_end_times() {
-    let scratch = three_ways(BALLS, 3.0, 2.0);
     let last = |directory: &str| {
         let rest = scratch.table(directory, "time_to_rest");
         let point = counts(&rest, "point_id");
@@ -70,7 +59,7 @@ fn the_curve_goes_to_both_end_times() {
     let (time_s, moving) = last("extended");
     assert_eq!(time_s, Some(6.0));
     assert!(moving > 0 && moving < last("short").1);
-    let text = std::fs::read_to_string(scratch.path("extended.yaml")).unwrap();
+    let text = scratch.text("extended.yaml");
     scratch.write("none.yaml", text.replace("factor: 2", "factor: 2, labels: [irregular]"));
     scratch.well("run none.yaml --out none");
     assert_eq!(last("none"), last("short"));
@@ -79,9 +68,8 @@ fn the_curve_goes_to_both_end_times() {
     let said = scratch.well("check extended.yaml");
     assert_has(&said, &["each to 3 s (undecided and irregular runs to 6 s) or until"]);
     let cost = |name: &str| -> f64 {
-        let text = scratch.well(&format!("check {name}.yaml --json"));
-        let report: serde_json::Value = serde_json::from_str(&text).unwrap();
-        report["core_seconds"].as_f64().unwrap()
+        let report = scratch.json(&format!("check {name}.yaml --json"));
+        report["core_seconds"].as_f64().expect("a cost")
     };
     assert_eq!(cost("extended"), cost("long"));
 }

@@ -23,6 +23,6 @@ fn a_program_hears_of_damaged_lists() {
     assert_eq!(listed_runs(scratch.path(), &study).unwrap(), 0);
     let place = scratch.path().to_string_lossy().into_owned();
     let heard = HEARD.lock().unwrap();
-    let own: Vec<_> = heard.iter().filter(|message| message.starts_with(&place)).collect();
-    assert!(own.len() == 1 && own[0].contains("line 1 is damaged"), "{heard:?}");
+    let here: Vec<_> = heard.iter().filter(|message| message.starts_with(&place)).collect();
+    assert!(here.len() == 1 && here[0].contains("line 1 is damaged"), "{heard:?}");
 }

@@ -30,7 +30,7 @@ fn tables_have_the_rows_of_separate_studies() {
     let design = "{latin_hypercube: {samples: 9}}";
     let model = "model: {kind: ball_balancer, contact: {restitution: 0.36, friction_coefficient: 0.1}, \
                  protocol: startup}\n";
-    for (name, model) in [("free", ""), ("contact", model)] {
+    for (name, model) in [("free", "model: {kind: ball_balancer}\n"), ("contact", model)] {
         let sweep = study(design, model);
         scratch.write("sweep.yaml", sweep);
         scratch.well(&format!("run sweep.yaml --out {name} --threads 2"));
@@ -38,14 +38,11 @@ fn tables_have_the_rows_of_separate_studies() {
             [(0, -160.8103, 3), (1, -160.8103, 1), (2, -160.8103, 2), (4, -216.3772, 1)]
         {
             let parameters = format!("parameters: {{balls: {balls}, speed_rad_s: {speed}}}");
-            let model = match model {
-                "" => format!("model: {{kind: ball_balancer, {parameters}}}\n"),
-                model => model
-                    .replace("kind: ball_balancer", &format!("kind: ball_balancer, {parameters}")),
-            };
+            let model =
+                model.replace("kind: ball_balancer", &format!("kind: ball_balancer, {parameters}"));
             scratch.write("one.yaml", study_text("a", design, 2.0, &model));
-            let one = format!("{name}-{point}");
-            scratch.well(&format!("run one.yaml --out {one}"));
+            let out = format!("{name}-{point}");
+            scratch.well(&format!("run one.yaml --out {out}"));
             let mut tables = vec!["runs", "points", "equilibria", "cycles", "time_to_rest"];
             if !model.contains("startup") {
                 tables.push("equilibrium_histogram");
@@ -54,7 +51,7 @@ fn tables_have_the_rows_of_separate_studies() {
             }
             for table in tables {
                 let whole = scratch.table(name, table);
-                let separate = scratch.table(&one, table);
+                let separate = scratch.table(&out, table);
                 let (found, expected) = (rows_at(&whole, point), rows_at(&separate, 0));
                 let found =
                     if table == "equilibrium_histogram" { without_ball(found) } else { found };
@@ -80,7 +77,9 @@ fn columns_of_balls_that_a_point_lacks_are_null() {
         ("initial_beta_3", 3.0),
         ("initial_beta_dot_2", 2.0),
         ("initial_x_dot", 1.0),
+        ("initial_beta_dot_3", 3.0),
         ("beta_2_rad", 2.0),
+        ("beta_3_rad", 3.0),
         ("ball_speed_3_rad_s", 3.0),
     ] {
         let column = column(&runs, name);
@@ -89,6 +88,7 @@ fn columns_of_balls_that_a_point_lacks_are_null() {
             assert_eq!(column.is_valid(index), has, "{name} in row {index}");
         }
     }
+    column(&scratch.table("out", "equilibria"), "beta_3_rad");
 }
 
 #[test]
@@ -97,9 +97,8 @@ fn threads_chunks_shards_and_resumption_give_the_same_bytes() {
     let audit = "audit: {fraction: 0.1}\n";
     let precision = "precision: {equilibrium_fraction: 0.15, max_runs: 60}\n";
     for (design, rest) in [(stratified, audit), ("{monte_carlo: {samples: 16}}", precision)] {
-        let scratch = Scratch::new();
         let text = study(design, rest).replace("2e0", "0.3").replace("[3, 1, 2]", "[2, 1]");
-        scratch.write("a.yaml", text);
+        let scratch = Scratch::with(text);
         scratch.well("run a.yaml --out whole --threads 1");
         scratch.well("run a.yaml --out other --threads 3 --chunk 7");
         assert_eq!(scratch.data("other"), scratch.data("whole"));
@@ -118,10 +117,8 @@ fn threads_chunks_shards_and_resumption_give_the_same_bytes() {
 /// The runs of a study with one number of balls are those of a point of the sweep, so that they are not computed again.
 #[test]
 fn runs_of_one_number_of_balls_are_reused() {
-    let scratch = Scratch::new();
     let design = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
-    scratch.write("a.yaml", study_text("a", design, 0.1, ""));
-    scratch.well("run a.yaml --out out");
+    let scratch = Scratch::ran(study_text("a", design, 0.1, ""));
     let sweep = study_text("a", design, 0.1, "sweep: [{grid: {balls: [1, 2]}}]\n");
     scratch.write("a.yaml", sweep);
     let ended = scratch.stickslip("run a.yaml --out out");
@@ -137,8 +134,7 @@ fn commands_serve_a_sweep_over_the_number_of_balls() {
     assert_eq!((&check["balls"], &check["runs"]), (&3.into(), &24.into()));
     scratch.well("run a.yaml --out out");
     scratch.well("report out --out report.html");
-    let page = std::fs::read_to_string(scratch.path("report.html")).unwrap();
-    assert_has(&page, &["Preferred equilibria", "One ball: its angle"]);
+    assert_has(&scratch.text("report.html"), &["Preferred equilibria", "One ball: its angle"]);
     for run in [0, 5, 9] {
         scratch.well(&format!("replay out {run} --out replay-{run}"));
     }
@@ -156,10 +152,9 @@ fn commands_serve_a_sweep_over_the_number_of_balls() {
 /// The cost of a sweep is the sum of the costs of separate studies, whose runs differ in number and length.
 #[test]
 fn a_sweep_costs_as_much_as_separate_studies() {
-    let scratch = Scratch::new();
     let design = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
     let cost = |text: &str| {
-        scratch.write("a.yaml", text);
+        let scratch = Scratch::with(text);
         let check = scratch.json("check a.yaml --json");
         ["runs", "steps", "core_seconds", "most_steps", "most_core_seconds"]
             .map(|key| check[key].as_f64().unwrap())
@@ -177,21 +172,19 @@ fn a_sweep_costs_as_much_as_separate_studies() {
 /// Each point of a design has its own row, with the response of the study with its number of balls.
 #[test]
 fn designs_have_a_response_for_each_number_of_balls() {
-    let scratch = Scratch::new();
     let rest = "design: {friction_coefficient: {from: 1.0e-3, to: 4.0e-3}}\n\
                 responses: {vibration: {amplitude_mean: {relative: true}}}\n";
     let design = "{sobol: {samples: 8}}";
-    scratch.write("designs.csv", "friction_coefficient\n0.002\n0.003\n");
-    let answers = |name: &str, more: &str| {
-        scratch.write("a.yaml", study_text("a", design, 2.0, &format!("{more}{rest}")));
-        scratch.well(&format!("evaluate a.yaml --designs designs.csv --out {name}.parquet"));
-        let table = crate::cli::support::table(&scratch.path(&format!("{name}.parquet")));
-        numbers(&table, "vibration")
+    let answers = |more: &str| {
+        let scratch = Scratch::with(study_text("a", design, 2.0, &format!("{more}{rest}")));
+        scratch.write("designs.csv", "friction_coefficient\n0.002\n0.003\n");
+        scratch.well("evaluate a.yaml --designs designs.csv --out answers.parquet");
+        numbers(&scratch.table(".", "answers"), "vibration")
     };
-    let sweep = answers("sweep", "sweep: [{grid: {balls: [1, 3]}}]\n");
+    let sweep = answers("sweep: [{grid: {balls: [1, 3]}}]\n");
     let [one, three] = [1, 3].map(|balls| {
         let model = format!("model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n");
-        answers(&format!("balls-{balls}"), &model)
+        answers(&model)
     });
     assert_eq!(sweep, [one[0], three[0], one[1], three[1]]);
     assert!(sweep.iter().all(Option::is_some));

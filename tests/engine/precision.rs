@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use serde_json::Value;
 use stickslip::analysis::{HalfWidths, PointAccumulator, StoppingRule};
-use stickslip::classification::{Evidence, Outcome, Rest, simulate};
+use stickslip::classification::{Evidence, Outcome, Rest};
 use stickslip::model::Case;
 use stickslip::study::Study;
 
 use super::in_memory::{Kept, run_in_memory};
 use crate::cli::support::{
-    AT_ONCE, Scratch, assert_has, column, counts, parse, row, rows_by_key, study_text, words,
+    AT_ONCE, Scratch, assert_has, column, counts, names, parse, row, study_text, words,
 };
 use arrow::array::{AsArray, RecordBatch};
 
@@ -238,7 +238,7 @@ fn the_tables_and_the_terminal_say_what_was_reached() {
     };
     assert_eq!(reached(&points), [Some(false); 3]);
     assert_eq!(reached(&scratch.table("out", "points")), [Some(true); 3]);
-    let report: Value = serde_json::from_str(&ended.out).unwrap();
+    let report = ended.json();
     assert_eq!(report["points_not_precise"], 3);
     assert_eq!(report["points"][2]["precision_reached"], false);
 
@@ -279,33 +279,11 @@ fn check_and_expand_say_how_many_there_may_be() {
     // The runs are those cases.
     scratch.well("run a.yaml --out out --quiet");
     let runs = scratch.table("out", "runs");
-    let own: Vec<String> =
-        words_of(&runs).into_iter().filter(|name| all.column_by_name(name).is_none()).collect();
-    let own: Vec<&str> = own.iter().map(String::as_str).chain(["error"]).collect();
+    let others: Vec<String> =
+        names(&runs).into_iter().filter(|name| all.column_by_name(name).is_none()).collect();
+    let others: Vec<&str> = others.iter().map(String::as_str).chain(["error"]).collect();
     for (index, run) in counts(&runs, "run_id").into_iter().enumerate() {
-        assert_eq!(row(&all, run as usize, &["error"]), row(&runs, index, &own));
+        assert_eq!(row(&all, run as usize, &["error"]), row(&runs, index, &others));
     }
     assert!(words(&runs, "label").iter().all(|label| label.as_deref() == Some("undecided")));
-}
-
-fn words_of(table: &RecordBatch) -> Vec<String> {
-    table.schema().fields().iter().map(|field| field.name().clone()).collect()
-}
-
-/// A simulated study keeps its rows when the required precision increases.
-#[test]
-fn simulated_runs_are_kept() {
-    let scratch = Scratch::new();
-    let run = |name: &str, text: String| {
-        scratch.write(&format!("{name}.yaml"), text);
-        scratch.well(&format!("run {name}.yaml --out {name} --quiet"));
-        let table = scratch.table(name, "runs");
-        rows_by_key(&table, &["speed_rad_s", "cell", "replicate"], &["run_id"])
-    };
-    let old = run("old", text(0.12, 100, 3.0));
-    let new = run("new", text(0.08, 300, 3.0));
-    assert!(new.len() > old.len(), "{} {}", new.len(), old.len());
-    assert!(old.iter().all(|(key, row)| new[key] == *row));
-    let study = parse(text(0.12, 100, 3.0));
-    assert!(study.planned_run(0).case.is_ok_and(|case| simulate(&case).evidence.error().is_none()));
 }

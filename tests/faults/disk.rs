@@ -3,8 +3,8 @@
 use std::fs;
 use std::process::{Command, Output};
 
-use super::{finished, halfway, study};
-use crate::cli::support::{Ended, Scratch};
+use super::{finished, halfway, shell, study};
+use crate::cli::support::{Ended, Scratch, assert_has};
 
 /// Runs a script in a mount namespace of its own, whose file systems vanish when it ends.
 fn with_mounts(scratch: &Scratch, script: &str) -> Output {
@@ -68,18 +68,12 @@ fn a_limit_of_the_size_of_files_is_told_with_the_file() {
     let scratch = Scratch::with(study());
     scratch.well("run a.yaml --out whole");
     // At most one block of 512 or 1024 bytes in a file.
-    let limited = |arguments: &str| {
-        let script = format!("ulimit -f 1; exec {} {arguments}", env!("CARGO_BIN_EXE_stickslip"));
-        let mut command = Command::new("sh");
-        command.args(["-c", &script]).current_dir(scratch.path("."));
-        Ended::of(command.output().unwrap())
-    };
-    for arguments in ["run a.yaml --out out", "report whole --out page.html"] {
-        let ended = limited(arguments);
+    for (arguments, file) in
+        [("run a.yaml --out out", "out"), ("report whole --out page.html", "page.html")]
+    {
+        let ended = shell(&scratch, &format!("ulimit -f 1; exec $s {arguments}"));
         assert!(matches!(ended.code, Some(1 | 2)), "{arguments}: {:?} {}", ended.code, ended.err);
-        assert!(ended.err.contains("File too large"), "{arguments}: {}", ended.err);
-        let file = if arguments.starts_with("run") { "out" } else { "page.html" };
-        assert!(ended.err.contains(file), "{arguments}: {}", ended.err);
+        assert_has(&ended.err, &["File too large", file]);
     }
     scratch.ended("run a.yaml --out out", 0);
     assert_eq!(scratch.data("out"), scratch.data("whole"));

@@ -1,4 +1,4 @@
-//! `equilibria` and `replay` interrupted midway: the same command completes its directory, and
+//! `equilibria` and `replay` interrupted midway: the same command completes its directory, which it has to itself, and
 //! replaces no file that it has not written.
 
 use std::fs;
@@ -21,9 +21,8 @@ const COMMANDS: [(&str, &[&str]); 2] = [
 
 /// Results of a small study in `a`.
 fn scratch() -> Scratch {
-    let scratch = Scratch::new();
     let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n";
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 4}}", 2.0, sweep));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 4}}", 2.0, sweep));
     scratch.well("run a.yaml --out a");
     scratch
 }
@@ -50,6 +49,12 @@ fn a_command_that_was_stopped_goes_on_in_its_directory() {
         stopped_at(&scratch, 16, &format!("{command} --out out"));
         let left = files(&scratch, "out");
         assert!(left.contains(&("unfinished".to_owned(), Vec::new())), "{left:?}");
+        // While a process fills the directory, another one is refused, so that their files are not mixed.
+        let unfinished = fs::File::open(scratch.path("out/unfinished")).expect("the mark");
+        unfinished.lock().expect("no other process");
+        let said = ["another process is writing into this directory"];
+        scratch.tells(&format!("{command} --out out"), 1, &said);
+        unfinished.unlock().expect("its own lock");
         scratch.well(&format!("{command} --out out"));
         assert_eq!(files(&scratch, "out"), before, "{command}");
         // A complete directory is not filled again.

@@ -9,13 +9,12 @@ mod killed;
 mod panics;
 mod small_faults;
 mod tampering;
-mod two_processes;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::cli::support::{Scratch, study_text};
+use crate::cli::support::{Ended, Scratch, study_text};
 
 /// 6400 runs of about a twentieth of a millisecond, in a hundred chunks of 64.
 pub const CHUNKS: u64 = 100;
@@ -38,15 +37,20 @@ fn finished(directory: &Path) -> Vec<String> {
     text.lines().map(str::to_owned).collect()
 }
 
+/// Runs a shell script in which `$s` is the program.
+fn shell(scratch: &Scratch, script: &str) -> Ended {
+    let script = format!("s={}\n{script}", env!("CARGO_BIN_EXE_stickslip"));
+    let mut command = Command::new("sh");
+    command.args(["-c", &script]).current_dir(scratch.path("."));
+    Ended::of(command.output().expect("a shell"))
+}
+
 /// Runs the program with a file size limit of `blocks` blocks of 512 bytes.
 fn stopped_at(scratch: &Scratch, blocks: u32, arguments: &str) {
-    let program = env!("CARGO_BIN_EXE_stickslip");
-    let script = format!("ulimit -c 0; ulimit -f {blocks}; exec {program} {arguments}");
-    let mut command = Command::new("sh");
-    let output = command.args(["-c", &script]).current_dir(scratch.path(".")).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{arguments}: {said}");
-    assert!(said.contains("File too large"), "{arguments}: {said}");
+    let script = format!("ulimit -c 0; ulimit -f {blocks}; exec $s {arguments}");
+    let ended = shell(scratch, &script);
+    assert_eq!(ended.code, Some(1), "{arguments}: {}", ended.err);
+    assert!(ended.err.contains("File too large"), "{arguments}: {}", ended.err);
 }
 
 /// An interrupted study in `out`, and the complete one in `whole`.

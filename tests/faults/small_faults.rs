@@ -1,31 +1,24 @@
 //! Few file handles, clock changes, single changed bytes.
 
 use std::fs;
-use std::process::Command;
 
-use super::{halfway, study};
-use crate::cli::support::{Ended, Scratch};
+use super::{halfway, shell, study};
+use crate::cli::support::Scratch;
 
 /// About eighteen open files suffice, also to merge more shards than that.
 #[test]
 fn few_file_handles_are_enough() {
     let scratch = Scratch::with(study().replace("samples: 3200", "samples: 200"));
     scratch.well("run a.yaml --out whole");
-    let script = format!(
-        "set -e; ulimit -n 24; s={}; parts=; for k in $(seq 1 40); do $s run a.yaml --quiet --shard $k/40 \
+    let ended = shell(
+        &scratch,
+        "set -e; ulimit -n 24; parts=; for k in $(seq 1 40); do $s run a.yaml --quiet --shard $k/40 \
          --out part$k --threads 2; parts=\"$parts part$k\"; done; $s merge $parts --out out --quiet",
-        env!("CARGO_BIN_EXE_stickslip")
     );
-    let mut command = Command::new("sh");
-    command.args(["-c", &script]).current_dir(scratch.path("."));
-    let ended = Ended::of(command.output().unwrap());
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     assert_eq!(scratch.data("out"), scratch.data("whole"));
     // With too few handles the program reports the error and loses nothing.
-    let script = format!("ulimit -n 7; {} resume part7", env!("CARGO_BIN_EXE_stickslip"));
-    let mut command = Command::new("sh");
-    command.args(["-c", &script]).current_dir(scratch.path("."));
-    let code = command.output().unwrap().status.code();
+    let code = shell(&scratch, "ulimit -n 7; $s resume part7").code;
     assert!([Some(0), Some(1), Some(2)].contains(&code), "{code:?}");
     scratch.well("resume part7");
 }
@@ -39,10 +32,8 @@ fn results_do_not_depend_on_the_clock() {
         let mut manifest = scratch.manifest("out");
         manifest["started_unix_s"] = began.into();
         scratch.write("out/manifest.json", manifest.to_string());
-        let touch = format!("find out -exec touch -d {stamp} {{}} +");
-        let mut command = Command::new("sh");
-        command.args(["-c", &touch]).current_dir(scratch.path("."));
-        assert!(command.status().unwrap().success());
+        let touched = shell(&scratch, &format!("find out -exec touch -d {stamp} {{}} +"));
+        assert_eq!(touched.code, Some(0), "{}", touched.err);
         scratch.well("resume out");
         assert_eq!(scratch.data("out"), scratch.data("whole"));
         assert!(scratch.manifest("out")["runs_kept"].as_u64().unwrap() >= 20 * 64);
@@ -71,10 +62,7 @@ fn a_changed_byte_is_never_a_wrong_row() {
         }
         for place in [0, content.len() / 3, content.len() / 2, content.len() - 1] {
             let copy = scratch.path("copy");
-            let status = Command::new("cp")
-                .args(["-r".as_ref(), out.as_os_str(), copy.as_os_str()])
-                .status();
-            assert!(status.unwrap().success());
+            assert_eq!(shell(&scratch, "cp -r out copy").code, Some(0));
             let mut changed = content.clone();
             changed[place] ^= 0x15;
             let in_copy = copy.join(path.strip_prefix(&out).unwrap());

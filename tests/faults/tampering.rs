@@ -59,8 +59,8 @@ fn links_below_are_not_written_through() {
             let edited = study().replace("samples: 3200", "samples: 41");
             scratch.write("edited.yaml", edited);
             fs::remove_file(scratch.path("out/runs.parquet")).unwrap();
-            let own = chunks(&scratch.path("out")).unwrap();
-            let name = name.replace("OWN", own.file_name().unwrap().to_str().unwrap());
+            let folder = chunks(&scratch.path("out")).unwrap();
+            let name = name.replace("OWN", folder.file_name().unwrap().to_str().unwrap());
             let path = scratch.path("out").join(&name);
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             // The contents are moved to the link's target, so that nothing is missing.
@@ -106,23 +106,6 @@ fn links_are_not_read_through() {
     assert_eq!(fs::read_dir(scratch.path("elsewhere")).unwrap().count(), 0);
     assert!(scratch.path("new/earlier/1/runs.parquet").is_symlink());
     assert_eq!(scratch.data("new"), before);
-}
-
-/// Merging changes nothing in the directory of a shard.
-#[test]
-fn shards_are_only_read() {
-    let scratch = complete();
-    scratch.well("run a.yaml --shard 1/1 --out part");
-    let chunk = chunks(&scratch.path("part")).unwrap().join("000000.chunk");
-    fs::rename(&chunk, chunk.with_added_extension("partial")).unwrap();
-    let files = || -> Vec<_> {
-        let files = scratch.files().into_iter();
-        files.filter(|(path, _)| path.starts_with(scratch.path("part"))).collect()
-    };
-    let before = files();
-    let ended = scratch.stickslip("merge part --out merged");
-    assert_has(&ended.err, &["80 finished earlier, 0 computed"]);
-    assert_eq!(files(), before);
 }
 
 /// Pipes in place of files do not block the program.
@@ -171,13 +154,20 @@ fn changed_content_is_made_again() {
     let mut changed = before[0].clone();
     let middle = changed.len() / 2;
     changed[middle] ^= 1;
-    scratch.write("out/runs.parquet", &changed);
-    let ended = scratch.stickslip("run a.yaml --out out");
-    assert_has(
-        &ended.err,
-        &["changed since they were written: the content of runs.parquet", " 0 computed"],
-    );
-    assert_eq!(scratch.data("out"), before);
+    for (number, (content, what)) in [
+        (&changed[..], "the content of runs.parquet"),
+        (&changed[..100], "runs.parquet of 100 bytes"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        scratch.write("out/runs.parquet", content);
+        let (aside, changes) =
+            (format!("earlier/{}", number + 1), format!("changed since they were written: {what}"));
+        scratch.tells("run a.yaml --out out", 0, &[&*changes, &aside, " 0 computed"]);
+        assert_eq!(scratch.data("out"), before);
+        assert_eq!(scratch.bytes(&format!("out/{aside}/runs.parquet")), content);
+    }
 
     let renamed =
         fs::read_to_string(scratch.path("a.yaml")).unwrap().replace("bad-day", "good-day");

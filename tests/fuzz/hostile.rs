@@ -13,7 +13,6 @@ pub const MEMORY: usize = 128 << 20;
 /// A file by name, and a part of the message about it.
 type File = (&'static str, fn() -> Vec<u8>, &'static str);
 
-/// The files.
 pub const FILES: [File; 12] = [
     ("columns", columns, FOOTER),
     ("nesting", nesting, "wrong type\n  found:   columns within columns"),
@@ -145,7 +144,6 @@ const DELTA_TEXTS: i64 = 7;
 const DICTIONARY: i64 = 8;
 const ZSTANDARD: i64 = 6;
 
-/// A table of one column.
 struct Table {
     column: &'static str,
     kind: i64,

@@ -79,7 +79,6 @@ fn number(text: &str) -> u64 {
     text.parse().unwrap_or_else(|_| panic!("not a number: {text}"))
 }
 
-/// A check with its description and its faults.
 type Check = Box<dyn Fn() -> (String, Vec<String>) + Sync>;
 
 fn parent(words: &[&str]) -> ExitCode {

@@ -37,7 +37,6 @@ const NUMBERS: [u64; 16] = [
     0x7ff0_0000_0000_0000,
 ];
 
-/// Returns the input with this number.
 pub fn input(corpus: &[Vec<u8>], seed: u64, number: u64) -> Vec<u8> {
     let mut dice =
         Dice(ChaCha8Rng::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ number));

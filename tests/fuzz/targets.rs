@@ -34,7 +34,6 @@ pub const TARGETS: [(&str, Target); 6] = [
     ("finished_runs", finished_runs),
 ];
 
-/// Returns the function for a kind of file.
 pub fn target(name: &str) -> Target {
     let found = TARGETS.iter().find(|(other, _)| *other == name);
     found.unwrap_or_else(|| panic!("no kind of file {name:?}")).1
@@ -43,7 +42,6 @@ pub fn target(name: &str) -> Target {
 /// The longest resolved study, in characters, that is read again.
 const MOST_CHARACTERS: usize = 200_000;
 
-/// A study file.
 fn study(folder: &Path, bytes: &[u8]) -> bool {
     let file = folder.join("study.yaml");
     // Some studies of the corpus refer to this table.

@@ -84,7 +84,6 @@ impl Browser {
         self.tools.as_mut().expect("taken when the browser ends only")
     }
 
-    /// Opens a file.
     #[track_caller]
     pub fn open(&mut self, file: &Path, view: View) -> Page<'_> {
         Page::open(self, file, view)

@@ -81,19 +81,3 @@ fn faults_are_reported() {
     page.view(View { print: true, ..LAPTOP });
     assert_eq!(page.ask("matchMedia('print').matches"), true);
 }
-
-#[test]
-fn a_page_without_faults_has_none() {
-    let Some(mut browser) = Browser::start() else { return };
-    let made = Made::new();
-    let file = made.write(
-        "good.html",
-        "<!DOCTYPE html><html lang=en><title>good</title><p>All is well.</p></html>",
-    );
-    let mut page = browser.open(&file, DARK);
-    assert_eq!(page.faults(), [""; 0]);
-    assert_eq!(page.pale(), (Vec::new(), 1));
-    assert!(page.nameless().is_empty() && !page.wider_than_window());
-    assert_eq!(page.ask("matchMedia('(prefers-color-scheme: dark)').matches"), true);
-    assert_eq!(page.ask("[innerWidth, innerHeight]"), serde_json::json!([1280, 720]));
-}

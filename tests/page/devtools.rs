@@ -15,7 +15,6 @@ use serde_json::{Value, json};
 /// Time limit of an answer, with a wide margin for busy machines.
 pub const TIME: Duration = Duration::from_secs(60);
 
-/// A connection with a browser.
 pub struct DevTools {
     to: ChildStdin,
     from: Receiver<Value>,
@@ -24,7 +23,6 @@ pub struct DevTools {
     pub events: Vec<Event>,
 }
 
-/// An event.
 pub struct Event {
     pub method: String,
     pub session: Option<String>,

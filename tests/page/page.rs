@@ -35,7 +35,6 @@ pub const DARK: View = View { dark: true, ..LAPTOP };
 /// Minimum contrast of text that is not large (WCAG 2.2, 1.4.3).
 pub const CONTRAST: f64 = 4.5;
 
-/// A page in the browser.
 pub struct Page<'a> {
     browser: &'a mut Browser,
     target: String,
@@ -57,13 +56,11 @@ pub struct Pale {
     pub ratio: f64,
 }
 
-/// A printed page.
 pub struct Pdf {
     pub bytes: Vec<u8>,
 }
 
 impl Pdf {
-    /// Returns the number of sheets.
     pub fn sheets(&self) -> usize {
         let text = String::from_utf8_lossy(&self.bytes);
         let of_sheets = text.split("/Type /Page").skip(1).filter(|rest| !rest.starts_with('s'));
@@ -90,9 +87,9 @@ impl<'a> Page<'a> {
         }
         let address = page.address.clone();
         page.call("Page.navigate", json!({"url": address}));
-        let own = page.session.clone();
+        let session = page.session.clone();
         let loaded = |event: &Event| {
-            event.method == "Page.loadEventFired" && event.session.as_ref() == Some(&own)
+            event.method == "Page.loadEventFired" && event.session.as_ref() == Some(&session)
         };
         if let Err(error) = page.browser.tools().wait_for("the page", loaded) {
             page.browser.fail(&error);
@@ -106,7 +103,6 @@ impl<'a> Page<'a> {
         self.browser.call(Some(&self.session), method, parameters)
     }
 
-    /// Changes the view.
     #[track_caller]
     pub fn view(&mut self, view: View) {
         let View { width, height, dark, reduced_motion, print } = view;
@@ -168,7 +164,6 @@ impl<'a> Page<'a> {
         value.as_str().unwrap_or_else(|| panic!("{expression}: {value}")).to_owned()
     }
 
-    /// Waits until an expression is true.
     #[track_caller]
     pub fn wait_until(&mut self, expression: &str) {
         let until = Instant::now() + TIME;
@@ -198,7 +193,6 @@ impl<'a> Page<'a> {
         self.call("Input.dispatchMouseEvent", json!({"type": "mouseMoved", "x": x, "y": y}));
     }
 
-    /// Clicks at a position.
     #[track_caller]
     pub fn click(&mut self, (x, y): (f64, f64)) {
         self.move_to((x, y));
@@ -208,7 +202,6 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Clicks an element.
     #[track_caller]
     pub fn click_on(&mut self, selector: &str) {
         let place = self.middle(selector);
@@ -253,8 +246,8 @@ impl<'a> Page<'a> {
         self.ask("null");
         let (session, address) = (&self.session, &self.address);
         let events = &self.browser.tools().events;
-        let own = events.iter().filter(|event| event.session.as_ref() == Some(session));
-        own.filter_map(|event| fault(event, address)).collect()
+        let of_page = events.iter().filter(|event| event.session.as_ref() == Some(session));
+        of_page.filter_map(|event| fault(event, address)).collect()
     }
 
     /// Returns role and name of each part of the page in the accessibility tree that is not
@@ -276,7 +269,6 @@ impl<'a> Page<'a> {
             .collect()
     }
 
-    /// Returns the controls without a name.
     #[track_caller]
     pub fn nameless(&mut self) -> Vec<Accessible> {
         const CONTROLS: [&str; 12] = [
@@ -317,7 +309,6 @@ impl<'a> Page<'a> {
         serde_json::from_value(found).unwrap()
     }
 
-    /// Returns whether the page is wider than the window.
     #[track_caller]
     pub fn wider_than_window(&mut self) -> bool {
         self.number("document.documentElement.scrollWidth - document.documentElement.clientWidth")
@@ -403,7 +394,6 @@ fn fault(event: &Event, address: &str) -> Option<String> {
     }
 }
 
-/// Returns the description of an exception.
 fn described(thrown: &Value) -> String {
     let of_value = thrown["exception"]["description"].as_str();
     of_value.or(thrown["text"].as_str()).unwrap_or("something was thrown").to_owned()

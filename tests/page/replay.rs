@@ -10,15 +10,19 @@ use super::results::Made;
 /// With reduced motion, the animation does not start automatically.
 const STILL: View = View { reduced_motion: true, ..LAPTOP };
 
-/// Creates the replay of a run with this number of balls, of several seconds.
+/// Creates the replay of a run with this number of balls.
 fn replay(made: &Made, balls: usize) -> PathBuf {
+    replay_of(made, &format!("parameters: {{balls: {balls}}}"), 2)
+}
+
+/// Creates the replay of a run of a balancer with these keys.
+fn replay_of(made: &Made, keys: &str, end_time_s: u32) -> PathBuf {
     made.write(
         "a.yaml",
         &format!(
-            "schema: 1\nname: a\nseed: 5\n\
-             model: {{kind: ball_balancer, parameters: {{balls: {balls}}}}}\n\
+            "schema: 1\nname: a\nseed: 5\nmodel: {{kind: ball_balancer, {keys}}}\n\
              initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\n\
-             simulation: {{end_time_s: 2}}\n"
+             simulation: {{end_time_s: {end_time_s}}}\n"
         ),
     );
     made.well("run a.yaml --out a");
@@ -38,9 +42,9 @@ fn places(page: &mut Page<'_>) -> Vec<[f64; 2]> {
     serde_json::from_value(places).unwrap()
 }
 
-fn apart(one: &[[f64; 2]], other: &[[f64; 2]]) -> f64 {
+fn apart(first: &[[f64; 2]], other: &[[f64; 2]]) -> f64 {
     let distance = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);
-    one.iter().zip(other).map(distance).fold(0.0, f64::max)
+    first.iter().zip(other).map(distance).fold(0.0, f64::max)
 }
 
 #[test]
@@ -175,16 +179,7 @@ fn balls_move_by_button_keys_and_slider() {
 fn a_replay_shows_contact() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
-    made.write(
-        "a.yaml",
-        "schema: 1\nname: a\nseed: 5\n\
-         model: {kind: ball_balancer, contact: {}, parameters: {speed_rad_s: -173.1803}}\n\
-         initial_conditions: {design: {monte_carlo: {samples: 1}}}\n\
-         simulation: {end_time_s: 4}\n",
-    );
-    made.well("run a.yaml --out a");
-    made.well("replay a 0");
-    let file = made.path("a-replay-0/replay.html");
+    let file = replay_of(&made, "contact: {}, parameters: {speed_rad_s: -173.1803}", 4);
     for view in [STILL, View { dark: true, ..STILL }] {
         let mut page = browser.open(&file, view);
         let all = page.number("impacts.length");
@@ -202,7 +197,7 @@ fn a_replay_shows_contact() {
 
         // The first frame in which balls touch: the dot lies on the edges of both circles.
         page.ask(
-            "window.frame = Math.min(...data.touching.map(one => one.indexOf('1')).filter(place => place >= 0));
+            "window.frame = Math.min(...data.touching.map(pair => pair.indexOf('1')).filter(place => place >= 0));
              go(data.seconds * frame / last); null",
         );
         assert!(page.number("frame") < page.number("data.x.length"), "no contact that lasts");
@@ -243,16 +238,9 @@ fn a_replay_shows_contact() {
 fn a_replay_shows_the_start_of_the_disc() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
-    made.write(
-        "a.yaml",
-        "schema: 1\nname: a\nseed: 5\n\
-         model: {kind: ball_balancer, speed_profile: [{ramp: {from_rad_s: -100, over_s: 0.5}}, {hold_s: 1.5}], \
-         disturbances: [{kick: {at_s: 0.25, speed_m_s: 0.01, direction_rad: 0}}]}\n\
-         initial_conditions: {design: {monte_carlo: {samples: 1}}}\n",
-    );
-    made.well("run a.yaml --out a");
-    made.well("replay a 0");
-    let file = made.path("a-replay-0/replay.html");
+    let keys = "speed_profile: [{ramp: {from_rad_s: -100, over_s: 0.5}}], \
+                disturbances: [{kick: {at_s: 0.25, speed_m_s: 0.01, direction_rad: 0}}]";
+    let file = replay_of(&made, keys, 2);
     for view in [STILL, View { dark: true, ..STILL }] {
         let mut page = browser.open(&file, view);
         assert_eq!(page.ask("document.getElementById('plots').checkVisibility()"), true);

@@ -80,7 +80,6 @@ optimize: {minimize: OBJECTIVES, subject_to: {soon: {at_least: 0.5}}, designs: 1
   compare_with: {stiffness_n_m: 100, friction_coefficient: 0.1}}
 ";
 
-/// Returns the page of a search with these objectives.
 fn search_page(made: &Made, objectives: &str, directory: &str) -> PathBuf {
     made.write("search.yaml", &SEARCH.replace("OBJECTIVES", objectives));
     made.well(&format!("optimize search.yaml --quiet --out {directory}"));
@@ -96,7 +95,6 @@ fn report(made: &Made, study: &str, directory: &str) -> PathBuf {
     made.path(&format!("{directory}-report.html"))
 }
 
-/// Returns the ids of the figures of a page.
 #[track_caller]
 fn figures(page: &mut Page<'_>) -> Vec<String> {
     let ids = page.ask("[...document.querySelectorAll('figure')].map(figure => figure.id)");
@@ -113,7 +111,6 @@ fn see(page: &mut Page<'_>, id: &str) {
     page.frames(2);
 }
 
-/// Returns the selector of a figure's chart.
 fn chart(id: &str) -> String {
     format!("echarts.getInstanceByDom(document.querySelector('#{id} .chart'))")
 }
@@ -168,9 +165,7 @@ fn pages_have_no_faults() {
             let mut page = browser.open(&file, view);
             let figures = figures(&mut page);
             assert!(figures.len() >= 4, "{name}: {figures:?}");
-            for id in &figures {
-                see(&mut page, id);
-            }
+            in_words(&mut page);
             let View { width, dark, .. } = view;
             page.ask("scrollTo({top: 0, behavior: 'instant'})");
             let scheme = if dark { "dark" } else { "light" };
@@ -186,12 +181,14 @@ fn pages_have_no_faults() {
     }
 }
 
-/// Dots are the runs of the tables, at their positions.
+/// Dots are the runs of the tables, at their positions, and descriptions in words state what figures show.
 #[test]
 fn figures_show_what_is_in_the_tables() {
     let Some(mut browser) = Browser::start() else { return };
     let made = Made::new();
     let mut page = browser.open(&report(&made, THESIS, "a"), LAPTOP);
+    assert_eq!(page.text("document.title"), "thesis: stickslip report");
+    assert_eq!(page.text("document.documentElement.lang"), "en");
     let runs = |column: &str| made.numbers("a/runs.parquet", column);
     let (points, first, second) = (runs("point_id"), runs("beta_1_rad"), runs("beta_2_rad"));
     let labels = made.words("a/runs.parquet", "label");
@@ -261,6 +258,11 @@ fn figures_show_what_is_in_the_tables() {
     assert_eq!(rows.len(), 6);
     for (row, fraction) in rows.iter().zip(&fraction) {
         assert!(row.contains(&format!("{:.1}", 100.0 * fraction)), "{fraction} not in {row:?}");
+    }
+    let told = page.text("document.getElementById('preferred-equilibria-words').textContent");
+    for fraction in fraction {
+        let words = format!(": {} of 8 runs came to rest", (8.0 * fraction).round());
+        assert!(told.contains(&words), "no {words} in {told}");
     }
     assert_eq!(page.faults(), [""; 0]);
 }
@@ -449,31 +451,6 @@ fn in_words(page: &mut Page<'_>) {
         assert_eq!(role, "application", "{id}");
         assert!(label.starts_with(&title) && label.contains(&told), "{id}: {label}");
         assert!(told.len() > 15 && caption.len() > 30, "{id}: {told} / {caption}");
-    }
-}
-
-/// Descriptions in words state what figures show.
-#[test]
-fn figures_are_described_in_words() {
-    let Some(mut browser) = Browser::start() else { return };
-    let made = Made::new();
-    for (name, study) in
-        [("failing", FAILING), ("three", THREE), ("spring", SPRING), ("uncertain", UNCERTAIN)]
-            .into_iter()
-            .chain([("cycles", CYCLES)])
-    {
-        let mut page = browser.open(&report(&made, study, name), LAPTOP);
-        in_words(&mut page);
-    }
-    let mut page = browser.open(&report(&made, THESIS, "a"), LAPTOP);
-    assert_eq!(page.text("document.title"), "thesis: stickslip report");
-    assert_eq!(page.text("document.documentElement.lang"), "en");
-    in_words(&mut page);
-    let told = page.text("document.getElementById('preferred-equilibria-words').textContent");
-    let fraction = made.numbers("a/points.parquet", "equilibrium_fraction");
-    for fraction in fraction {
-        let words = format!(": {} of 8 runs came to rest", (8.0 * fraction).round());
-        assert!(told.contains(&words), "no {words} in {told}");
     }
 }
 

@@ -20,7 +20,6 @@ impl Made {
         self.0.path().join(name)
     }
 
-    /// Writes a file.
     pub fn write(&self, name: &str, content: &str) -> PathBuf {
         let path = self.path(name);
         fs::write(&path, content).unwrap();

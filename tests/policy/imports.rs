@@ -78,8 +78,9 @@ fn read_below(folder: &Path, module: &[String], modules: &mut BTreeMap<Module, S
             let text = fs::read_to_string(&path).expect("a source file");
             let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
             let lines = code.lines().map(|line| line.split("//").next().unwrap_or_default());
-            let own = if ["mod", "lib"].contains(&name.as_str()) { module.to_vec() } else { below };
-            modules.insert(own, lines.collect::<Vec<_>>().join("\n"));
+            let path =
+                if ["mod", "lib"].contains(&name.as_str()) { module.to_vec() } else { below };
+            modules.insert(path, lines.collect::<Vec<_>>().join("\n"));
         }
     }
 }
@@ -108,8 +109,9 @@ fn no_imports_form_a_cycle() {
         // What a folder gives on to others is no use of its own.
         let is_folder = |other: &Module| other.len() > module.len() && other.starts_with(module);
         let is_folder = all.0.keys().any(is_folder);
-        let own = all.imports(module).into_iter().filter(|(_, given_on)| !(is_folder && *given_on));
-        let defined = own.map(|(path, _)| all.definition(&path, 0));
+        let imports =
+            all.imports(module).into_iter().filter(|(_, given_on)| !(is_folder && *given_on));
+        let defined = imports.map(|(path, _)| all.definition(&path, 0));
         let in_folder = defined.filter(|other| other.first() == module.first() && other != module);
         left.insert(module, in_folder.collect());
     }

@@ -97,7 +97,6 @@ fn no_package_is_for_networks() {
     none(&policy().denied(&locked()));
 }
 
-/// The rules detect violations.
 #[test]
 fn violations_of_the_rules_are_found() {
     let built = |line: &str| package(line);

@@ -81,7 +81,6 @@ impl Policy {
         policy
     }
 
-    /// Returns the supported platforms.
     pub fn targets(&self) -> &[String] {
         &self.graph.targets
     }
@@ -98,7 +97,7 @@ impl Policy {
             // Lax: old crates write MIT/Apache-2.0.
             let expression = Expression::parse_mode(license, ParseMode::LAX).ok();
             expression.is_some_and(|expression| {
-                expression.evaluate(|wanted| allowed.iter().any(|one| one.satisfies(wanted)))
+                expression.evaluate(|wanted| allowed.iter().any(|ours| ours.satisfies(wanted)))
             })
         };
         built
@@ -117,7 +116,7 @@ impl Policy {
     pub fn duplicates(&self, built: &BTreeSet<Built>) -> Vec<String> {
         let mut versions: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         for package in built {
-            if !self.bans.skip.iter().any(|one| one.is(&package.name, &package.version)) {
+            if !self.bans.skip.iter().any(|ban| ban.is(&package.name, &package.version)) {
                 versions.entry(&package.name).or_default().push(&package.version);
             }
         }
@@ -131,22 +130,22 @@ impl Policy {
 
     /// Returns the exceptions that are no longer needed, or that give no reason.
     pub fn needless(&self, locked: &[Locked]) -> Vec<String> {
-        let gone = |one: &&Exception| {
-            !locked.iter().any(|package| one.is(&package.name, &package.version))
+        let gone = |ban: &&Exception| {
+            !locked.iter().any(|package| ban.is(&package.name, &package.version))
         };
         let needless = self.bans.skip.iter().filter(gone);
-        let needless = needless.map(|one| format!("{}: in [bans] skip, but not in use", one.name));
+        let needless = needless.map(|ban| format!("{}: in [bans] skip, but not in use", ban.name));
         let all = self.bans.skip.iter().chain(&self.bans.deny);
-        let unexplained = all.filter(|one| one.reason.trim().is_empty());
-        needless.chain(unexplained.map(|one| format!("{}: without a reason", one.name))).collect()
+        let unexplained = all.filter(|ban| ban.reason.trim().is_empty());
+        needless.chain(unexplained.map(|ban| format!("{}: without a reason", ban.name))).collect()
     }
 
     /// Returns the denied packages, including those for other platforms or for tests.
     pub fn denied(&self, locked: &[Locked]) -> Vec<String> {
         let why = |package: &Locked| {
-            let denied = self.bans.deny.iter().find(|one| one.is(&package.name, &package.version));
+            let denied = self.bans.deny.iter().find(|ban| ban.is(&package.name, &package.version));
             denied
-                .map(|one| format!("{} {}: denied, {}", package.name, package.version, one.reason))
+                .map(|ban| format!("{} {}: denied, {}", package.name, package.version, ban.reason))
         };
         locked.iter().filter_map(why).collect()
     }
@@ -155,7 +154,7 @@ impl Policy {
     /// belongs to this checkout.
     pub fn sources(&self, locked: &[Locked]) -> Vec<String> {
         let allowed = |source: &str| {
-            let is = |list: &[String], place: &str| list.iter().any(|one| one == place);
+            let is = |list: &[String], place: &str| list.iter().any(|known| known == place);
             match source.split_once('+') {
                 Some(("registry", place)) => is(&self.sources.allow_registry, place),
                 Some(("git", place)) => {
@@ -177,7 +176,7 @@ impl Exception {
     /// `name` matches all versions, `name@version` one.
     fn is(&self, name: &str, version: &str) -> bool {
         match self.name.split_once('@') {
-            Some((own, of)) => own == name && of == version,
+            Some((known, of)) => known == name && of == version,
             None => self.name == name,
         }
     }

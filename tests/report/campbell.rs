@@ -3,7 +3,7 @@
 use stickslip::report::chart::Mark;
 use stickslip::report::{Budget, of_results};
 
-use super::reported;
+use super::{figure_of, reported};
 use crate::cli::support::Scratch;
 
 /// A disc on a shaft without damping has the critical speed `sqrt(k / m)`. The study has three speeds, one of them negative; the
@@ -30,7 +30,7 @@ simulation: {end_time_s: 0.2}
 ",
     );
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
-    let figure = figures.iter().find(|figure| figure.id == "campbell").expect("the diagram");
+    let figure = figure_of(&figures, "campbell");
     assert!(figure.caption.ends_with("This is the diagram of speed −2000 rpm."), "{figure:?}");
     let [panel] = &figure.panels[..] else { panic!("one panel") };
     let critical_rpm = 100.0 * 30.0 / std::f64::consts::PI;

@@ -3,26 +3,21 @@
 use stickslip::report::chart::{AxisKind, Figure, Mark};
 use stickslip::report::{Budget, of_results};
 
-use super::reported;
+use super::{figure_of, reported};
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, study_text};
 
 /// Computes a study with these uncertain parameters at two points, and passes its figures to `check`.
 fn with_figures(uncertain: &str, model: &str, check: impl FnOnce(&Scratch, &[Figure])) {
-    let scratch = Scratch::new();
     let rest = format!(
         "{model}sweep: [{{grid: {{speed_rad_s: [-216.0, -160.0]}}}}]\nuncertain: {{{uncertain}}}\n"
     );
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 40}}", AT_ONCE, &rest));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 40}}", AT_ONCE, &rest));
     reported(&scratch, "a.yaml", Budget::SCREEN, |data| check(&scratch, &of_results(data)));
-}
-
-fn figure<'a>(figures: &'a [Figure], id: &str) -> &'a Figure {
-    figures.iter().find(|figure| figure.id == id).unwrap()
 }
 
 /// Spearman's coefficient of distinct values, from the squared differences of their ranks.
 fn spearman(x: &[f64], y: &[f64]) -> f64 {
-    let rank = |values: &[f64], one: f64| values.iter().filter(|other| **other < one).count();
+    let rank = |values: &[f64], of: f64| values.iter().filter(|value| **value < of).count();
     let squares = x.iter().zip(y).map(|(a, b)| {
         let difference = rank(x, *a) as f64 - rank(y, *b) as f64;
         difference * difference
@@ -42,8 +37,8 @@ fn bars_are_rank_correlations_of_the_runs() {
             let of_point = counts(&runs, "point_id").into_iter().zip(values);
             of_point.filter(|(of, _)| *of == point).map(|(_, value)| value.unwrap()).collect()
         };
-        let bars = figure(figures, "rank-correlations");
-        let dots = figure(figures, "drawn-parameters");
+        let bars = figure_of(figures, "rank-correlations");
+        let dots = figure_of(figures, "drawn-parameters");
         assert_eq!((bars.panels.len(), dots.panels.len()), (2, 4));
         for (point, panel) in (0..).zip(&bars.panels) {
             assert_eq!(
@@ -89,22 +84,13 @@ fn figures_have_twelve_parameters_at_most() {
     let uncertain: Vec<String> = masses.chain(others).collect();
     let model = "model: {kind: ball_balancer, parameters: {balls: 7}}\n";
     with_figures(&uncertain.join(", "), model, |scratch, figures| {
-        let bars = figure(figures, "rank-correlations");
+        let bars = figure_of(figures, "rank-correlations");
         let AxisKind::Names(names) = &bars.panels[0].x.kind else { panic!() };
         assert_eq!(names.len(), 12);
         assert!(bars.caption.contains("Of 13 parameters, the 12 with the strongest"));
         scratch.well("report out");
-        let page = std::fs::read_to_string(scratch.path("out-report.html")).unwrap();
-        assert!(page.contains("Other uncertain parameters"));
+        assert!(scratch.text("out-report.html").contains("Other uncertain parameters"));
     });
 }
 
 const FACTOR: &str = "{uniform: {min: 0.9, max: 1.1}}";
-
-#[test]
-fn without_uncertain_parameters_there_are_no_such_figures() {
-    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 8}}", AT_ONCE, ""));
-    scratch.well("report out");
-    let page = std::fs::read_to_string(scratch.path("out-report.html")).unwrap();
-    assert!(!page.contains("rank-correlations") && !page.contains("drawn-parameters"));
-}

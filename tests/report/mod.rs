@@ -19,11 +19,16 @@ mod sweeps;
 /// Residual vibration, and vibration without balls.
 mod vibration;
 
+use stickslip::report::chart::Figure;
 use stickslip::report::{Budget, ReportData, ResultTables};
 use stickslip::study::Study;
 use stickslip::table::Manifest;
 
 use crate::cli::support::Scratch;
+
+fn figure_of<'a>(figures: &'a [Figure], id: &str) -> &'a Figure {
+    figures.iter().find(|figure| figure.id == id).unwrap_or_else(|| panic!("no figure {id}"))
+}
 
 /// Computes the study in `file` into `out`, and returns it with what `of` makes of the data of its report.
 fn reported<T>(

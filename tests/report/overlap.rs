@@ -1,7 +1,6 @@
 //! Balls with contact in the report: the band in which they would overlap, equilibria on its edges, and rests that touch.
 
 use std::f64::consts::TAU;
-use std::fs;
 
 use arrow::array::AsArray;
 use stickslip::analysis::{residual_imbalance, touching_set_fraction};
@@ -116,7 +115,7 @@ fn rests_that_touch_are_counted() {
     assert_has(&figure.panels[0].title, &[title]);
     assert_has(&figure.alternative, &[format!(", {touch} of them with balls that touch")]);
     scratch.well("report out");
-    let page = fs::read_to_string(scratch.path("out-report.html")).unwrap();
+    let page = scratch.text("out-report.html");
     assert_has(&page, &["rests that touch", &format!(">{touch} of {}<", rests.len())]);
 }
 
@@ -148,16 +147,24 @@ fn three_balls_show_what_remains_of_the_imbalance() {
     assert!(points.iter().all(|[x, y]| (x.hypot(*y) / without - 1.0).abs() < 1e-12));
 }
 
+/// A plain study has no figures of draws or of a run-up, and says nothing of touching.
 #[test]
-fn without_contact_nothing_is_said_of_touching() {
+fn a_plain_study_has_nothing_of_contact_draws_or_stages() {
     let scratch = Scratch::new();
-    let (_, figure) = figure(&scratch, 1, AT_ONCE, "");
+    let (_, figure) = figure(&scratch, 2, 0.1, "");
     let names = figure.panels[0].layers.iter().map(|layer| layer.name.as_str());
     let expected = ["", "equilibrium", "stable without friction", "unstable without friction"];
     assert_eq!(names.collect::<Vec<_>>(), expected);
     scratch.well("report out");
-    let page = fs::read_to_string(scratch.path("out-report.html")).unwrap();
-    for word in ["rests that touch", "Shaded band", "of balls that touch"] {
+    let page = scratch.text("out-report.html");
+    for word in [
+        "rests that touch",
+        "Shaded band",
+        "of balls that touch",
+        "\"rank-correlations\"",
+        "\"drawn-parameters\"",
+        "\"run-up\"",
+    ] {
         assert!(!page.contains(word), "{word}");
     }
 }

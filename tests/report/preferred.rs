@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use stickslip::report::chart::{Figure, Mark, Symbol};
 use stickslip::report::{Budget, of_results};
 
-use super::reported;
+use super::{figure_of, reported};
 use crate::cli::support::Scratch;
 use crate::support::angular_distance;
 
@@ -22,7 +22,6 @@ fn dots(figure: &Figure, title: &str) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
 }
 
-/// Returns the distance on the torus.
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     angular_distance(a[0], b[0]).hypot(angular_distance(a[1], b[1]))
 }
@@ -35,7 +34,7 @@ fn dots_are_densest_at_the_balancing_positions() {
     let scratch = Scratch::new();
     let study = format!("{}/studies/preferred-equilibria.yaml", env!("CARGO_MANIFEST_DIR"));
     let (_, figures) = reported(&scratch, &study, Budget::SCREEN, of_results);
-    let figure = figures.iter().find(|figure| figure.id == "preferred-equilibria").unwrap();
+    let figure = figure_of(&figures, "preferred-equilibria");
     assert_eq!(figure.panels.len(), 6);
     let dots = dots(figure, "speed \u{2212}216.3772 rad/s, friction coefficient 0.00275:");
     assert!((400..470).contains(&dots.len()), "{}", dots.len());

@@ -1,12 +1,10 @@
 //! A disc that starts: the figure of a few runs that are computed again, and texts that count time from the last stage.
 
-use std::fs;
-
 use stickslip::report::chart::{Figure, Layer, Mark, Panel};
 use stickslip::report::{Budget, of_results};
 
-use super::reported;
-use crate::cli::support::{Scratch, counts, numbers, study_text};
+use super::{figure_of, reported};
+use crate::cli::support::{Scratch, assert_has, counts, numbers};
 
 /// Two ramps, of 0.2 and of 0.4 s, to a plateau of 0.6 s, on which the table is kicked.
 const STUDY: &str = "
@@ -22,10 +20,6 @@ sweep: [{grid: {ramp_over_s: [0.2, 0.4]}}]
 initial_conditions: {design: {monte_carlo: {samples: 4}}}
 ";
 
-fn figure_of<'a>(figures: &'a [Figure], id: &str) -> &'a Figure {
-    figures.iter().find(|figure| figure.id == id).unwrap_or_else(|| panic!("no figure {id}"))
-}
-
 fn part<'a>(figure: &'a Figure, title: &str, part: &str) -> &'a Panel {
     let is = |panel: &&Panel| panel.title == title && panel.part == part;
     figure.panels.iter().find(is).unwrap_or_else(|| panic!("no {part} of {title}"))
@@ -40,8 +34,9 @@ fn lines(panel: &Panel) -> Vec<(&Layer, &[[f64; 2]])> {
     points.collect()
 }
 
+/// A few runs are computed again for the figure, and times are those of the stages.
 #[test]
-fn a_few_runs_are_computed_again() {
+fn the_figures_of_a_disc_that_starts() {
     let scratch = Scratch::with(STUDY);
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     let figure = figure_of(&figures, "run-up");
@@ -106,13 +101,8 @@ fn a_few_runs_are_computed_again() {
         assert_eq!(kicks.count(), 1);
     }
     assert!(figure.alternative.contains("ramp over 0.2 s: the largest amplitude is "));
-}
 
-/// Times to rest count from the begin of the last stage; runs of different points end at different times.
-#[test]
-fn times_are_those_of_the_stages() {
-    let scratch = Scratch::with(STUDY);
-    let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
+    // Times to rest count from the begin of the last stage; runs of different points end at different times.
     let caption = |id: &str| &figure_of(&figures, id).caption;
     assert!(
         caption("fractions").contains("0.8 to 1 s after the start"),
@@ -124,16 +114,6 @@ fn times_are_those_of_the_stages() {
     let x = &rest.panels[0].x;
     assert_eq!((&*x.name, x.range), ("time after the begin of the last stage", Some([0.0, 0.5])));
     scratch.well("report out");
-    let page = fs::read_to_string(scratch.path("out-report.html")).expect("the page");
-    for words in ["0.8 to 1 s at most", "largest amplitude of a run [µm]", "at the speed [rad/s]"]
-    {
-        assert!(page.contains(words), "{words}");
-    }
-}
-
-#[test]
-fn a_disc_at_constant_speed_has_no_run_up() {
-    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 2}}", 0.1, ""));
-    let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
-    assert!(figures.iter().all(|figure| figure.id != "run-up"));
+    let said = ["0.8 to 1 s at most", "largest amplitude of a run [µm]", "at the speed [rad/s]"];
+    assert_has(&scratch.text("out-report.html"), &said);
 }

@@ -4,14 +4,13 @@ use stickslip::report::chart::{AxisKind, Mark};
 use stickslip::report::{Budget, ReportData, of_results};
 use stickslip::study::ParameterValue;
 
-use super::reported;
+use super::{figure_of, reported};
 use crate::cli::support::{AT_ONCE, Scratch, study_text};
 
 /// Computes one short run at each point of a grid, and passes the data of the report to `check`.
 fn with_data(grid: &str, budget: Budget, check: impl FnOnce(&ReportData<'_>)) {
-    let scratch = Scratch::new();
     let sweep = format!("sweep: [{{grid: {{{grid}}}}}]\n");
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, &sweep));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 1}}", AT_ONCE, &sweep));
     reported(&scratch, "a.yaml", budget, check);
 }
 
@@ -21,7 +20,7 @@ fn cells_of_a_map_touch() {
     let grid = "speed_rad_s: [-1.0, -2.0, -4.0], friction_coefficient: [1.0e-4, 1.0e-3, 1.0e-2]";
     with_data(grid, Budget::SCREEN, |data| {
         let figures = of_results(data);
-        let map = figures.iter().find(|figure| figure.id == "map").expect("two parameters vary");
+        let map = figure_of(&figures, "map");
         assert_eq!(map.title, "Map over speed and friction coefficient");
         let panel = &map.panels[0];
         assert_eq!((&panel.x.kind, &panel.y.kind), (&AxisKind::Linear, &AxisKind::Logarithmic));

@@ -4,7 +4,7 @@ use stickslip::analysis::{Z_95, wilson};
 use stickslip::report::chart::{Figure, Layer, Mark, Panel};
 use stickslip::report::{Budget, of_results};
 
-use super::reported;
+use super::{figure_of, reported};
 use crate::cli::support::{Scratch, counts, numbers, study_text};
 
 /// Returns the ordinates of the dots of the layers with this name.
@@ -27,11 +27,9 @@ fn close(found: &[f64], expected: &[f64]) {
 /// drawn far from its default.
 #[test]
 fn figures_compare_each_run_with_its_own_machine() {
-    let scratch = Scratch::new();
     let drawn = "uncertain: {imbalance_mass: {uniform: {min: 0.5 g, max: 0.6 g}}}\n";
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 40}}", 2.0, drawn));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 40}}", 2.0, drawn));
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
-    let of = |id: &str| figures.iter().find(|figure| figure.id == id).unwrap();
     let [points, runs] = ["points", "runs"].map(|name| scratch.table("out", name));
     let number = |name: &str| numbers(&points, name)[0].unwrap();
 
@@ -40,19 +38,19 @@ fn figures_compare_each_run_with_its_own_machine() {
     let without = number("amplitude_without_balls_m");
     assert!((without / checked.as_f64().unwrap() - 1.0).abs() < 0.05, "{without} and {checked}");
 
-    let distribution = of("exceedance");
+    let distribution = figure_of(&figures, "exceedance");
     let Mark::Steps { points: steps } = &distribution.panels[1].layers[1].mark else { panic!() };
     let mut relative: Vec<f64> =
         numbers(&runs, "relative_amplitude").into_iter().map(Option::unwrap).collect();
     relative.sort_by(f64::total_cmp);
-    assert!(relative.iter().all(|one| (0.1..10.0).contains(one)), "{relative:?}");
+    assert!(relative.iter().all(|part| (0.1..10.0).contains(part)), "{relative:?}");
     let abscissae: Vec<f64> = steps.iter().map(|[x, _]| *x).collect();
     assert_eq!(abscissae, relative);
     let worse = number("worse_than_without_balls_fraction");
     let words = format!("{:.1} % of the runs vibrate more than without balls", 100.0 * worse);
     let said = &distribution.alternative;
     assert!(said.contains(&words), "no {words} in {said}");
-    let above = relative.iter().filter(|one| **one > 1.0).count();
+    let above = relative.iter().filter(|part| **part > 1.0).count();
     assert_eq!(above as f64 / relative.len() as f64, worse);
     assert!(distribution.caption.contains("the run's own machine without balls"));
 
@@ -73,10 +71,9 @@ fn figures_compare_each_run_with_its_own_machine() {
 
 #[test]
 fn the_first_figure_compares_with_no_balls() {
-    let scratch = Scratch::new();
     // Ascending, as the figure orders them.
     let sweep = "sweep: [{grid: {speed_rad_s: [-247.0, -216.0, -160.0]}}]\n";
-    scratch.write("a.yaml", study_text("a", "{monte_carlo: {samples: 12}}", 0.5, sweep));
+    let scratch = Scratch::with(study_text("a", "{monte_carlo: {samples: 12}}", 0.5, sweep));
     let (_, figures) = reported(&scratch, "a.yaml", Budget::SCREEN, of_results);
     let Figure { id, panels, alternative, .. } = &figures[0];
     assert_eq!(id, "vibration");
@@ -97,7 +94,7 @@ fn the_first_figure_compares_with_no_balls() {
             let known = of_point.iter().zip(&amplitude).filter(|(of, _)| **of == point);
             let known: Vec<f64> = known.filter_map(|(_, amplitude)| *amplitude).collect();
             let limit = without[point as usize] * 1e-6;
-            known.iter().filter(|one| **one > limit).count() as f64 / known.len() as f64
+            known.iter().filter(|metres| **metres > limit).count() as f64 / known.len() as f64
         })
         .collect();
     let found = ordinates(&panels[1], "runs that vibrate more than without balls");

@@ -1,6 +1,6 @@
 //! The selection of audited runs: a random fraction, independent at every point, and permanent.
 
-use stickslip::study::{Study, json_schema};
+use stickslip::study::Study;
 
 use super::{study, text_with_design};
 use crate::support::cases;
@@ -46,7 +46,7 @@ fn points_choose_independently() {
     let deviation = (expected * (1.0 - 0.09)).sqrt();
     for (index, first) in points.iter().enumerate() {
         for second in &points[index + 1..] {
-            let both = first.iter().zip(*second).filter(|(one, other)| **one && **other).count();
+            let both = first.iter().zip(*second).filter(|(here, there)| **here && **there).count();
             let distance = (both as f64 - expected).abs() / deviation;
             assert!(distance < 5.0, "{both} instead of {expected}");
         }
@@ -100,21 +100,6 @@ fn an_audit_changes_no_draw() {
         planned.audited = false;
         assert_eq!(planned, without.planned_run(run));
     }
-}
-
-#[test]
-fn the_audit_is_part_of_the_resolved_study_and_of_its_hash() {
-    let with = audited(0.25, 40, "");
-    assert!(
-        with.resolved_yaml().contains("\naudit: {fraction: 0.25}\n"),
-        "{}",
-        with.resolved_yaml()
-    );
-    let again = study(&with.resolved_yaml());
-    assert_eq!((again.hash(), again.audit()), (with.hash(), with.audit()));
-    assert_ne!(audited(0.5, 40, "").hash(), with.hash());
-    let properties = &json_schema()["properties"];
-    assert!(properties.get("audit").is_some());
 }
 
 #[test]

@@ -17,16 +17,13 @@ fn good() -> String {
     text_with_design("{monte_carlo: {samples: 10}}")
 }
 
+/// Empty files and other values are no studies, and errors of YAML have their place.
 #[test]
-fn empty_files_and_other_values_are_no_studies() {
+fn what_is_no_study_is_refused() {
     refused("", None, "the file is empty");
     refused("# only a comment\n", None, "the file is empty");
     refused("[1, 2]", Some(1), "not a study");
     refused("study", Some(1), "not a study");
-}
-
-#[test]
-fn yaml_errors_are_placed() {
     refused("schema: [1", Some(1), "not valid YAML");
     refused("schema: 1\nname: b: c\n", Some(2), "not valid YAML");
     refused("schema: 1\nname: \"a\n", Some(3), "not valid YAML");
@@ -53,6 +50,9 @@ fn alias_bombs_are_refused() {
         let _ = writeln!(bomb, "{new}: &{new} [{}]", vec![format!("*{old}"); 10].join(", "));
     }
     refused(&bomb, Some(5), "too many aliases");
+    let text = good().replace("seed: 5", "seed: &five 5");
+    let text = format!("{text}sweep: [{{grid: {{speed_rad_s: [*five]}}}}]\n");
+    assert!(parse(&text).is_ok(), "a small alias");
 }
 
 /// The search for the nearest name takes time and memory that do not grow with the wrong name.
@@ -67,13 +67,6 @@ fn names_of_megabytes_are_unknown_names() {
         assert!(error.problem().starts_with("unknown"), "{}", error.problem());
         assert!(error.to_string().len() < 5000, "{} bytes", error.to_string().len());
     }
-}
-
-#[test]
-fn a_small_alias_is_fine() {
-    let text = good().replace("seed: 5", "seed: &five 5");
-    let text = format!("{text}sweep: [{{grid: {{speed_rad_s: [*five]}}}}]\n");
-    assert!(parse(&text).is_ok());
 }
 
 #[test]

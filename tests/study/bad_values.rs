@@ -218,7 +218,7 @@ fn missing_keys() {
 /// A list of balls has no common value that a sweep could set.
 #[test]
 fn a_swept_value_of_all_balls_beside_their_own() {
-    let own = "balls: [{mass_kg: 1.0e-4}, {}]";
-    let text = GOOD.replacen("balls: 2", own, 1).replacen("damping_n_s_m", "ball_mass_kg", 1);
+    let listed = "balls: [{mass_kg: 1.0e-4}, {}]";
+    let text = GOOD.replacen("balls: 2", listed, 1).replacen("damping_n_s_m", "ball_mass_kg", 1);
     super::refused(&text, 21, "sweep[1].zip.ball_mass_kg", "", "ball_mass_1_kg, ball_mass_2_kg");
 }

@@ -4,7 +4,7 @@ use stickslip::study::{Study, changed_keys};
 
 use super::parse;
 
-fn one(change: impl Fn(String) -> String) -> Study {
+fn study(change: impl Fn(String) -> String) -> Study {
     let text = "schema: 1\nname: one\nseed: 7\nmodel: {kind: ball_balancer}\n\
                 sweep: [{grid: {speed_rad_s: [-160.0, -200.0]}}]\n\
                 initial_conditions: {design: {monte_carlo: {samples: 4}}}\n";
@@ -13,10 +13,10 @@ fn one(change: impl Fn(String) -> String) -> Study {
 
 #[test]
 fn what_differs_is_named_with_both_values() {
-    let before = one(|text| text);
-    assert!(changed_keys(&before, &one(|text| format!("# a comment\n{text}"))).is_empty());
+    let before = study(|text| text);
+    assert!(changed_keys(&before, &study(|text| format!("# a comment\n{text}"))).is_empty());
     let changed = |from: &'static str, to: &'static str| {
-        let after = one(|text| {
+        let after = study(|text| {
             assert!(text.contains(from));
             text.replace(from, to)
         });

@@ -29,9 +29,16 @@ fn refused(text: &str, parts: &[impl Display]) {
 const CONTACT: &str = "{restitution: 0.5, friction_coefficient: 0.2}";
 const STRATIFIED: &str = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
 
+/// The contact is a law or none, and the same in the resolved study.
 #[test]
 fn the_contact_is_a_law_or_none() {
-    let of = |key: &str| contact(&study(&text(key, 2, STRATIFIED, "{}")));
+    let of = |key: &str| {
+        let first = study(&text(key, 2, STRATIFIED, "{}"));
+        let again = study(&first.resolved_yaml());
+        assert_eq!(first.resolved_yaml(), again.resolved_yaml());
+        assert_eq!(contact(&first), contact(&again), "{key}");
+        contact(&first)
+    };
     assert_eq!(of("none"), None);
     let law = |restitution, friction_coefficient| BallContact { restitution, friction_coefficient };
     assert_eq!(of(CONTACT), Some(law(0.5, 0.2)));
@@ -41,17 +48,6 @@ fn the_contact_is_a_law_or_none() {
         Some(law(2.5 / 7.0, 0.1)).map(|law| BallContact { restitution: (0.9 - 0.4) / 1.4, ..law })
     );
     assert_eq!(of("{material_restitution: 0.2}"), Some(law(0.0, 0.1)));
-}
-
-/// The resolved study gives the same contact.
-#[test]
-fn the_resolved_study_has_the_same_contact() {
-    for key in ["none", CONTACT, "{material_restitution: 0.9}"] {
-        let first = study(&text(key, 2, STRATIFIED, "{}"));
-        let again = study(&first.resolved_yaml());
-        assert_eq!(contact(&first), contact(&again), "{key}");
-        assert_eq!(first.resolved_yaml(), again.resolved_yaml());
-    }
 }
 
 #[test]
@@ -106,7 +102,7 @@ fn least_gap(study: &Study, run: u64) -> f64 {
     let machine = case.model.ball_balancer().expect("balls");
     let mut balls: Vec<usize> = (0..machine.balls.len()).collect();
     let angle = |ball: usize| planned.start.0[2 + ball].rem_euclid(std::f64::consts::TAU);
-    balls.sort_by(|one, other| angle(*one).total_cmp(&angle(*other)));
+    balls.sort_by(|ball, other| angle(*ball).total_cmp(&angle(*other)));
     let gap = |place: usize| {
         let (behind, ahead) = (balls[place], balls[(place + 1) % balls.len()]);
         let touching = machine.contact_angle_rad(&machine.balls[behind], &machine.balls[ahead]);
@@ -139,7 +135,6 @@ fn sampled_balls_do_not_overlap() {
     }
 }
 
-/// Angles of a smaller box are drawn again in their cell.
 #[test]
 fn angles_of_a_small_box_are_drawn_again_in_their_cell() {
     let small = "{beta: [1.0, 1.8]}";

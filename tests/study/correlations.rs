@@ -34,9 +34,10 @@ fn correlated(starts: &str, design: &str) -> Study {
 }
 
 fn designs() -> Vec<Study> {
-    let (one, sequence) = ("{monte_carlo: {samples: 8192}}", "{sobol: {samples: 8192}}");
-    let all = [(one, "monte_carlo"), (one, "latin_hypercube"), (one, "sobol"), (sequence, "joint")];
-    all.map(|(starts, design)| correlated(starts, design)).into()
+    let (independent, sequence) = ("{monte_carlo: {samples: 8192}}", "{sobol: {samples: 8192}}");
+    let studies =
+        ["monte_carlo", "latin_hypercube", "sobol"].map(|design| correlated(independent, design));
+    studies.into_iter().chain([correlated(sequence, "joint")]).collect()
 }
 
 /// Returns the draws by parameter.
@@ -49,7 +50,7 @@ fn columns(study: &Study) -> Vec<Vec<f64>> {
 /// Returns the ranks from 0, without ties.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|one, other| values[*one].total_cmp(&values[*other]));
+    order.sort_by(|place, other| values[*place].total_cmp(&values[*other]));
     let mut ranks = vec![0.0; values.len()];
     for (rank, index) in order.into_iter().enumerate() {
         ranks[index] = rank as f64;
@@ -58,10 +59,10 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 }
 
 /// Returns Spearman's rank correlation.
-fn spearman(one: &[f64], other: &[f64]) -> f64 {
-    let count = one.len() as f64;
+fn spearman(first: &[f64], other: &[f64]) -> f64 {
+    let count = first.len() as f64;
     let middle = 0.5 * (count - 1.0);
-    let products = ranks(one).into_iter().zip(ranks(other));
+    let products = ranks(first).into_iter().zip(ranks(other));
     let sum: f64 = products.map(|(left, right)| (left - middle) * (right - middle)).sum();
     12.0 * sum / (count * (count * count - 1.0))
 }
@@ -94,15 +95,15 @@ fn rank_correlations_are_those_requested() {
     let tolerance = 4.0 / (RUNS as f64).sqrt();
     for study in designs() {
         let columns = columns(&study);
-        for one in 0..5 {
-            for other in one + 1..5 {
-                let requested = REQUESTED.iter().find(|pair| (pair.0, pair.1) == (one, other));
+        for first in 0..5 {
+            for other in first + 1..5 {
+                let requested = REQUESTED.iter().find(|pair| (pair.0, pair.1) == (first, other));
                 // The nominal speed is negative, and the correlation is that of its factor.
                 let sign = if other == 4 { -1.0 } else { 1.0 };
                 let requested = requested.map_or(0.0, |pair| sign * pair.2);
-                let found = spearman(&columns[one], &columns[other]);
-                println!("{one} {other}: requested {requested}, found {found:.4}");
-                assert!((found - requested).abs() < tolerance, "{one}, {other}: {found}");
+                let found = spearman(&columns[first], &columns[other]);
+                println!("{first} {other}: requested {requested}, found {found:.4}");
+                assert!((found - requested).abs() < tolerance, "{first}, {other}: {found}");
             }
         }
     }
@@ -156,10 +157,10 @@ fn the_order_of_the_file_and_units_do_not_matter() {
   stiffness_n_m: {normal: {mean: 1.0e4, std_dev: 100}}
   damping_n_s_m: {uniform: {min: 1, max: 2}}
 ";
-    let one = "{parameters: [table_mass, stiffness], rank_correlation: 0.5}";
+    let pair = "{parameters: [table_mass, stiffness], rank_correlation: 0.5}";
     let turned = "{rank_correlation: 0.5, parameters: [stiffness_n_m, table_mass_kg]}";
     let other = "{parameters: [damping_n_s_m, stiffness_n_m], rank_correlation: -0.5}";
-    let first = small(uncertain, &format!("{one}, {other}"));
+    let first = small(uncertain, &format!("{pair}, {other}"));
     let second = small(uncertain, &format!("{other}, {turned}"));
     assert_eq!((second.hash(), columns(&second)), (first.hash(), columns(&first)));
     let resolved = "uncertain_sampling:
@@ -204,9 +205,9 @@ fn strong_correlations_are_accepted() {
         let pair =
             format!("{{parameters: [table_mass_kg, stiffness_n_m], rank_correlation: {value}}}");
         let columns = columns(&small(uncertain, &pair));
-        for (one, other) in columns[0].iter().zip(&columns[1]) {
-            let expected = if value > 0.0 { *one } else { 1.0 - one };
-            assert!((other - expected).abs() < 0.03, "{one} {other}");
+        for (first, other) in columns[0].iter().zip(&columns[1]) {
+            let expected = if value > 0.0 { *first } else { 1.0 - first };
+            assert!((other - expected).abs() < 0.03, "{first} {other}");
         }
     }
 }

@@ -106,12 +106,13 @@ fn times_multiplies_what_is_set() {
             assert_eq!(case.model.ball_balancer().unwrap().speed_rad_s, speed * factor);
         }
     }
-    let own = study(&format!("{text}{times}design: {{speed_rad_s: {{from: -300, to: -100}}}}\n"));
-    let base = own.model().ball_balancer().unwrap().speed_rad_s;
-    assert_eq!(own.planned_run(7).uncertain, [base * plain[7]]);
-    let set = own.set(&[DesignValue::Number(-250.0)]).unwrap();
+    let varied =
+        study(&format!("{text}{times}design: {{speed_rad_s: {{from: -300, to: -100}}}}\n"));
+    let base = varied.model().ball_balancer().unwrap().speed_rad_s;
+    assert_eq!(varied.planned_run(7).uncertain, [base * plain[7]]);
+    let set = varied.set(&[DesignValue::Number(-250.0)]).unwrap();
     assert_eq!(set.planned_run(7).uncertain, [-250.0 * plain[7]]);
-    assert_eq!(study(&own.resolved_yaml()).hash(), own.hash());
+    assert_eq!(study(&varied.resolved_yaml()).hash(), varied.hash());
 }
 
 #[test]

@@ -41,16 +41,16 @@ fn all_independent_errors_are_listed() {
         key("simulation.methd", 11),
         key("responses.a.amplitude_above.limit", 12),
     ];
-    for one in &expected {
+    for place in &expected {
         // A check between keys may not follow an error on which it could depend.
         let may_be_missing =
             ["name", "model.parameters.table_mass_kg", "sweep[0].grid.speed_rad_s"];
         assert!(
-            found.contains(one) || may_be_missing.contains(&one.0.as_str()),
-            "{one:?} {found:?}"
+            found.contains(place) || may_be_missing.contains(&place.0.as_str()),
+            "{place:?} {found:?}"
         );
     }
-    assert!(found.iter().all(|one| expected.contains(one)), "{found:?}");
+    assert!(found.iter().all(|place| expected.contains(place)), "{found:?}");
     // Each message stands alone, with what was found and what is allowed.
     let text = parse(WRONG).unwrap_err().to_string();
     assert_eq!(text.matches("\n  allowed: ").count(), found.len(), "{text}");
@@ -76,9 +76,9 @@ fn consequences_are_not_listed() {
 /// The first error is the one of a study without the others, and a single error stands alone.
 #[test]
 fn a_single_error_stands_alone() {
-    let one =
+    let fewer =
         WRONG.lines().filter(|line| !line.starts_with("uncertan")).collect::<Vec<_>>().join("\n");
-    assert_eq!(keys(&one)[0], keys(WRONG)[0]);
+    assert_eq!(keys(&fewer)[0], keys(WRONG)[0]);
     let single = "schema: 1\nname: a\nseed: 1\nmodel: {kind: ball_balancer}\nnothing: 1\n\
                   initial_conditions: {design: {monte_carlo: {samples: 4}}}\n";
     let error = parse(single).unwrap_err();

@@ -29,15 +29,15 @@ identify:
 #[test]
 fn parameters_and_effort() {
     let study = study(STUDY);
-    let (own, identification) = study.for_identification().expect("identify");
-    let names: Vec<&str> = own.variables().iter().map(|one| one.name()).collect();
+    let (designs, identification) = study.for_identification().expect("identify");
+    let names: Vec<&str> = designs.variables().iter().map(|variable| variable.name()).collect();
     assert_eq!(names, ["friction_coefficient", "ring_radius_m"]);
     assert_eq!(identification.parameters[1].range(), Some([0.011, 0.012]));
     assert_eq!(identification.spacings, [PriorSpacing::Logarithmic, PriorSpacing::Linear]);
     assert_eq!((identification.start_designs, identification.designs), (1000, 1250));
     assert_eq!(identification.posterior_samples, 4000);
     let without = parse(STUDY.split("identify:").next().expect("a study")).expect("a study");
-    assert_eq!(without.hash(), own.hash());
+    assert_eq!(without.hash(), designs.hash());
     assert!(without.for_identification().is_none());
     let again = parse(&study.resolved_yaml()).expect("the resolved study");
     assert_eq!(again.for_identification().expect("identify").1, identification);

@@ -43,7 +43,6 @@ fn parse(text: &str) -> Result<Study, StudyError> {
     Study::parse(Path::new("a.yaml"), text.to_owned())
 }
 
-/// Parses a valid study.
 fn study(text: &str) -> Study {
     parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
@@ -93,10 +92,10 @@ fn coordinates(study: &Study, run: u64) -> Vec<f64> {
 
 /// Checks that two studies have the same runs.
 #[track_caller]
-fn same_runs(one: &Study, other: &Study) {
-    assert_eq!(one.run_count(), other.run_count());
-    for run in 0..one.run_count() {
-        assert_eq!(one.planned_run(run), other.planned_run(run), "run {run}");
+fn same_runs(first: &Study, other: &Study) {
+    assert_eq!(first.run_count(), other.run_count());
+    for run in 0..first.run_count() {
+        assert_eq!(first.planned_run(run), other.planned_run(run), "run {run}");
     }
 }
 
@@ -111,7 +110,6 @@ fn laws(unit: &str) -> [String; 5] {
     ]
 }
 
-/// Returns the machine at a point.
 fn machine_at(plan: &Plan, point: u64) -> Machine {
     plan.point(point).model().ball_balancer().expect("a balancer").clone()
 }

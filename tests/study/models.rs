@@ -38,8 +38,8 @@ ball_balancer ¦ {coulomb_viscous: {viscous_coefficient_n_s_m: 1e-4}} ¦ viscous
         let model = format!("  kind: {kind}\n  friction: {friction}\n");
         let swept = study(&text(&model, &format!("sweep: [{{zip: {{{name}: [0.7, 0.9]}}}}]\n")));
         assert_eq!((swept.swept()[0].name.as_str(), swept.swept()[0].unit), (&*name, &*unit));
-        let [one, other] = [0, 1].map(|point| format!("{:?}", swept.point(point).model()));
-        assert!(one != other && other.contains("0.9"), "{name}: {other}");
+        let [first, other] = [0, 1].map(|point| format!("{:?}", swept.point(point).model()));
+        assert!(first != other && other.contains("0.9"), "{name}: {other}");
         let range = format!("uncertain: {{{name}: {{uniform: {{min: 0.7, max: 0.9}}}}}}\n");
         let run = study(&text(&model, &range)).planned_run(2);
         assert!((0.7..0.9).contains(&run.uncertain[0]), "{name}");

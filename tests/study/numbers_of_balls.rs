@@ -13,22 +13,28 @@ fn text(design: &str, balls: &str, rest: &str) -> String {
 }
 
 /// Returns a run without the numbers that depend on the other points of its study.
-fn own(run: PlannedRun) -> PlannedRun {
+fn unnumbered(run: PlannedRun) -> PlannedRun {
     PlannedRun { run_id: 0, point_id: 0, swept: Vec::new(), ..run }
 }
 
-/// Checks that run numbers are consecutive and that every point has the runs of the study with its number of balls and
-/// the other lines of `rest`. `number_at` has the number of balls of each point.
+/// Checks that run numbers are consecutive and that every point of [`SWEEP`] has the runs of the study with its number of
+/// balls, these keys of the model, and these further lines.
 #[track_caller]
-fn has_runs_of_separate_studies(sweep: &str, design: &str, rest: &str, number_at: &[usize]) {
-    let swept = study(&text(design, "2", &format!("{sweep}{rest}")));
+fn has_runs_of_separate_studies(design: &str, keys: &str, rest: &str) {
+    let kind = "kind: ball_balancer, ";
+    let with = |balls: &str, rest: &str| {
+        study(&text(design, balls, rest).replace(kind, &format!("{kind}{keys}")))
+    };
+    let swept = with("2", &format!("{SWEEP}{rest}"));
+    let number_at = [3, 1, 2];
     let found: Vec<usize> =
         (0..swept.point_count()).map(|point| swept.point(point).model().balls()).collect();
-    assert_eq!(found, number_at, "{sweep}");
+    assert_eq!(found, number_at);
     let mut next = 0;
     for (id, number) in (0..).zip(number_at) {
         let point = swept.point(id);
-        let separate = study(&text(design, &number.to_string(), rest));
+        let separate = with(&number.to_string(), rest);
+        assert_eq!(point.model(), separate.point(0).model());
         assert_eq!(point.first_run, next);
         assert_eq!(point.sampling, separate.point(0).sampling, "{design}");
         assert_eq!(point.cells, separate.point(0).cells);
@@ -36,7 +42,11 @@ fn has_runs_of_separate_studies(sweep: &str, design: &str, rest: &str, number_at
             let run = swept.planned_run(next);
             assert_eq!((run.run_id, run.point_id), (next, id));
             assert_eq!(run.swept, point.swept);
-            assert_eq!(own(run), own(separate.planned_run(sample)), "{design}: {sample}");
+            assert_eq!(
+                unnumbered(run),
+                unnumbered(separate.planned_run(sample)),
+                "{design}: {sample}"
+            );
             next += 1;
         }
     }
@@ -60,8 +70,8 @@ fn each_point_has_the_runs_of_a_study_with_its_number_of_balls() {
         "{monte_carlo: {samples: 5}}",
     ];
     for design in designs {
-        has_runs_of_separate_studies(SWEEP, design, "", &[3, 1, 2]);
-        has_runs_of_separate_studies(SWEEP, design, UNCERTAIN, &[3, 1, 2]);
+        has_runs_of_separate_studies(design, "", "");
+        has_runs_of_separate_studies(design, "", UNCERTAIN);
     }
 }
 
@@ -74,7 +84,7 @@ fn uncertain_parameters_are_sampled_as_in_a_separate_study() {
         ("{stratified: {parts_per_axis: 2, samples_per_cell: 1}}", "sobol"),
     ] {
         let rest = format!("{UNCERTAIN}uncertain_sampling: {{design: {sampling}}}\n");
-        has_runs_of_separate_studies(SWEEP, design, &rest, &[3, 1, 2]);
+        has_runs_of_separate_studies(design, "", &rest);
     }
 }
 
@@ -83,25 +93,12 @@ fn uncertain_parameters_are_sampled_as_in_a_separate_study() {
 fn with_precision_contact_and_a_speed_profile() {
     let design = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
     let precision = "precision: {equilibrium_fraction: 0.1, max_runs: 1000}\n";
-    has_runs_of_separate_studies(SWEEP, design, precision, &[3, 1, 2]);
-    for rest in [
-        "contact: {restitution: 0.36, friction_coefficient: 0.1}",
-        "protocol: {startup_and_hammer: {hits: 2}}",
+    has_runs_of_separate_studies(design, "", precision);
+    for keys in [
+        "contact: {restitution: 0.36, friction_coefficient: 0.1}, ",
+        "protocol: {startup_and_hammer: {hits: 2}}, ",
     ] {
-        let with = |numbers: &str, sweep: &str| {
-            let text = text(design, numbers, sweep);
-            study(&text.replace("kind: ball_balancer", &format!("kind: ball_balancer, {rest}")))
-        };
-        let swept = with("2", SWEEP);
-        for (id, number) in [3, 1, 2].into_iter().enumerate() {
-            let point = swept.point(id as u64);
-            let separate = with(&number.to_string(), "");
-            assert_eq!(point.model(), separate.point(0).model());
-            for sample in 0..point.sampling.most {
-                let run = swept.planned_run(point.first_run + sample);
-                assert_eq!(own(run), own(separate.planned_run(sample)), "{rest}");
-            }
-        }
+        has_runs_of_separate_studies(design, keys, "");
     }
 }
 
@@ -116,10 +113,10 @@ fn given_start_states_have_the_coordinates_of_their_balls() {
     assert_eq!(start(2), [0.01, 0.02, 1.0, 0.03, 0.04, 0.1]);
     assert_eq!(start(4), [0.01, 0.02, 1.0, 2.0, 0.03, 0.04, 0.1, 0.2]);
     // A block with a design of its own needs only the coordinates of its own balls.
-    let one =
+    let of_ball =
         "{table: {columns: [x, y, beta_1, x_dot, y_dot, beta_dot_1], rows: [[0, 0, 5, 0, 0, 0]]}}";
     let blocks = format!(
-        "sweep:\n  - {{zip: {{balls: [1]}}, design: {one}}}\n  - {{zip: {{balls: [3]}}}}\n"
+        "sweep:\n  - {{zip: {{balls: [1]}}, design: {of_ball}}}\n  - {{zip: {{balls: [3]}}}}\n"
     );
     let swept = study(&text(three, "2", &blocks));
     let runs: Vec<usize> = (0..3).map(|run| swept.planned_run(run).start.0.len()).collect();
@@ -167,14 +164,6 @@ fn the_number_of_balls_is_swept_like_any_parameter() {
         swept.point_ranges().flat_map(|(points, runs)| points.map(move |_| runs)).collect();
     let runs_of: Vec<u64> = expected.iter().map(|number| 1_u64 << (4 + 2 * number)).collect();
     assert_eq!(ranges, runs_of);
-}
-
-#[test]
-fn a_range_lists_numbers_of_balls() {
-    let sweep = "sweep: [{grid: {balls: {from: 1, to: 4, step: 1}}}]\n";
-    let swept = study(&text("{monte_carlo: {samples: 2}}", "2", sweep));
-    let numbers: Vec<usize> = (0..4).map(|point| swept.point(point).model().balls()).collect();
-    assert_eq!(numbers, [1, 2, 3, 4]);
 }
 
 /// The file's number of balls is not that of any point, so that no point has ball 2.

@@ -2,18 +2,9 @@
 
 use std::time::Instant;
 
-use stickslip::model::NormalForce;
-use stickslip::study::{ParameterValue, Study};
-
 use super::{machine_at, study, swept_numbers, text_with_design, with_design};
 
 const SMALL: &str = "{monte_carlo: {samples: 4}}";
-
-#[test]
-fn a_study_can_be_shared_between_threads() {
-    fn shared<T: Send + Sync>() {}
-    shared::<Study>();
-}
 
 #[test]
 fn without_a_sweep_there_is_one_point() {
@@ -87,13 +78,6 @@ fn balls_may_differ() {
     let masses: Vec<f64> = machine_at(&study, 0).balls.iter().map(|ball| ball.mass_kg).collect();
     assert_eq!(masses, [2.0, 3.0, 4.0]);
     assert_eq!(study.planned_run(0).start.0.len(), 10);
-}
-
-#[test]
-fn the_normal_force_can_be_swept() {
-    let study = with_design(SMALL, "sweep: [{grid: {normal_force: [lagrange, newton]}}]\n");
-    assert_eq!(machine_at(&study, 1).normal_force, NormalForce::Newton);
-    assert_eq!(study.point(1).swept, [ParameterValue::Text("newton")]);
 }
 
 #[test]

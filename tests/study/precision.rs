@@ -1,7 +1,7 @@
 //! Runs that are reserved for a required precision: which, how many, and their independence from
 //! it.
 
-use stickslip::study::{Sampling, Study, json_schema};
+use stickslip::study::{Sampling, Study};
 
 use super::{coordinates, refused, study, text_with_design};
 use crate::support::cases;
@@ -82,18 +82,6 @@ fn points_follow_one_another_by_what_is_reserved() {
 }
 
 #[test]
-fn the_precision_is_part_of_the_resolved_study_and_of_its_hash() {
-    let with = precise("{sobol: {samples: 4}}", 20_000, "");
-    let line = "\nprecision: {equilibrium_fraction: 0.02, max_runs: 20000}\n";
-    assert!(with.resolved_yaml().contains(line), "{}", with.resolved_yaml());
-    let again = study(&with.resolved_yaml());
-    assert_eq!((again.hash(), again.precision()), (with.hash(), with.precision()));
-    assert_ne!(precise("{sobol: {samples: 4}}", 10_000, "").hash(), with.hash());
-    assert_ne!(study(&text_with_design("{sobol: {samples: 4}}")).hash(), with.hash());
-    assert!(json_schema()["properties"].get("precision").is_some());
-}
-
-#[test]
 fn amplitudes_have_half_widths_with_units() {
     let text = text_with_design("{sobol: {samples: 4}}");
     let with = |keys: &str| study(&format!("{text}precision: {{{keys}, max_runs: 64}}\n"));
@@ -108,7 +96,7 @@ fn amplitudes_have_half_widths_with_units() {
     assert!(metres.resolved_yaml().contains("amplitude_p50_m: 1.0e-6"));
     let words = "the half width of the 95 % interval of equilibrium_fraction is at most 0.1, and that of \
                  amplitude_p05_m is at most 2e-6 m, and that of amplitude_p95_m is at most 5e-6 m";
-    assert_eq!(all.precision().map(|own| own.in_words()).as_deref(), Some(words));
+    assert_eq!(all.precision().map(|precision| precision.in_words()).as_deref(), Some(words));
 }
 
 const PRECISION: &str = "precision: {equilibrium_fraction: 0.02, max_runs: 20000}\n";
@@ -126,8 +114,8 @@ fn designs_that_cannot_be_enlarged_are_refused() {
         let text = text_with_design(design) + PRECISION;
         refused(&text, 6, &format!("initial_conditions.design.{kind}"), kind, allowed);
     }
-    let own = "sweep: [{grid: {speed_rad_s: [1]}, design: {latin_hypercube: {samples: 4}}}]\n";
-    let text = text_with_design("{sobol: {samples: 4}}") + PRECISION + own;
+    let sweep = "sweep: [{grid: {speed_rad_s: [1]}, design: {latin_hypercube: {samples: 4}}}]\n";
+    let text = text_with_design("{sobol: {samples: 4}}") + PRECISION + sweep;
     refused(&text, 8, "sweep[0].design.latin_hypercube", "latin_hypercube", allowed);
 }
 

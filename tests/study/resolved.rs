@@ -1,5 +1,6 @@
 //! The resolved study file: complete, self-contained, and equivalent to the original.
 
+use std::collections::HashSet;
 use std::fs;
 
 use stickslip::study::{Study, json_schema};
@@ -32,6 +33,7 @@ initial_conditions:
   box: {beta: [0, 3], beta_dot_2: [0.5, 0.5]}
   design: {stratified: {parts_per_axis: 2, samples_per_cell: 1}}
 simulation: {band: 2.0e-4, tolerance: {absolute: 1.0e-11}, extend: {factor: 3}}
+audit: {fraction: 0.25}
 expect:
   - {point: {speed_rad_s: 2}, equilibrium_fraction: [0, 1], undecided_fraction: [0, 0.5]}
 ";
@@ -61,6 +63,7 @@ fn loading_the_resolved_file_gives_the_same_study() {
     assert_eq!(second.expectations(), first.expectations());
     assert_eq!(second.swept(), first.swept());
     assert_eq!(second.uncertain(), first.uncertain());
+    assert_eq!((second.audit(), first.audit().is_some()), (first.audit(), true));
 }
 
 #[test]
@@ -116,14 +119,24 @@ fn the_hash_is_that_of_what_determines_the_runs() {
         format!("{text}sweep: [{{grid: {{speed_rad_s: [-216.3772]}}}}]\n"),
         format!("{text}uncertain: {{speed_rad_s: {{uniform: {{min: 1, max: 2}}}}}}\n"),
     ];
+    let precision = |max_runs: u64| {
+        format!("{text}precision: {{equilibrium_fraction: 0.02, max_runs: {max_runs}}}\n")
+    };
+    let other = other.into_iter().chain([
+        format!("{text}audit: {{fraction: 0.25}}\n"),
+        format!("{text}audit: {{fraction: 0.5}}\n"),
+        precision(10_000),
+        precision(20_000),
+    ]);
+    let mut hashes = HashSet::from([base]);
     for text in other {
-        assert_ne!(hash(&text), base, "{text}");
+        assert!(hashes.insert(hash(&text)), "{text}");
     }
     let normal = "ball_mass_kg: {normal: {mean: 1, std_dev: 0.1}}";
     let uniform = "speed_rad_s: {uniform: {min: 1, max: 2}}";
-    let one = format!("{text}uncertain: {{{normal}, {uniform}}}\n");
-    let two = format!("{text}uncertain: {{{uniform}, {normal}}}\n");
-    assert_eq!(hash(&one), hash(&two));
+    let listed = format!("{text}uncertain: {{{normal}, {uniform}}}\n");
+    let turned = format!("{text}uncertain: {{{uniform}, {normal}}}\n");
+    assert_eq!(hash(&listed), hash(&turned));
 }
 
 #[test]
@@ -170,10 +183,10 @@ fn an_extension_names_its_labels() {
     );
     assert_eq!(both.simulation().end_times_s(), [16.5, 66.0]);
     assert_eq!(both.hash(), with("labels: [irregular, undecided], factor: 4.0").hash());
-    let one = with("factor: 4, labels: [irregular]");
-    let extend = one.simulation().extend.expect("extends");
+    let single = with("factor: 4, labels: [irregular]");
+    let extend = single.simulation().extend.expect("extends");
     assert_eq!((extend.labels.undecided, extend.labels.irregular), (false, true));
-    assert_ne!(one.hash(), both.hash());
+    assert_ne!(single.hash(), both.hash());
     let found = &json_schema()["$defs"]["ExtendFile"];
     assert_eq!(found["required"], serde_json::json!(["factor"]));
     assert_eq!(

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use jsonschema::Validator;
 use serde_json::{Value, json};
-use stickslip::study::{Study, json_schema};
+use stickslip::study::{Study, Template, json_schema};
 
 use super::parse;
 use crate::support::{places, shipped, study_files};
@@ -300,6 +300,11 @@ fn forms_that_were_accepted_by_one_are_refused_by_both() {
         assert!(!validator.is_valid(&study), "{path} = {value}");
         assert!(program(&study).is_err(), "{path} = {value}");
     }
+    // The schema knows the keys of a system in the study.
+    let template = Template::find("system").expect("a template").text("a", "a.yaml".as_ref());
+    let template = template.expect("a study");
+    assert!(validator.is_valid(&read(&template)));
+    assert!(!validator.is_valid(&read(&template.replace("contacts:", "contact:"))));
 }
 
 /// A list in the place of any block is refused with the key of the block. The studies have every key of the schema.

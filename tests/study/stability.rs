@@ -90,8 +90,9 @@ fn larger_samples_keep_the_old_ones() {
 #[test]
 fn further_sweep_values_and_uncertain_parameters_keep_the_old_draws() {
     let design = "{monte_carlo: {samples: 20}}";
-    let one = "uncertain: {stiffness_n_m: {normal: {mean: 1.0e4, std_dev: 100}}}\n";
-    let old = with_design(design, &format!("sweep: [{{grid: {{damping_n_s_m: [2]}}}}]\n{one}"));
+    let stiffness = "uncertain: {stiffness_n_m: {normal: {mean: 1.0e4, std_dev: 100}}}\n";
+    let old =
+        with_design(design, &format!("sweep: [{{grid: {{damping_n_s_m: [2]}}}}]\n{stiffness}"));
     let sweep = "sweep: [{grid: {damping_n_s_m: [1, 2, 3]}}]\n";
     let new = with_design(design, &format!("{sweep}{UNCERTAIN}"));
     // The old point is now the second; its runs have moved by twenty.
@@ -117,6 +118,6 @@ fn a_further_ball_keeps_the_coordinates_of_the_others() {
 #[test]
 fn another_seed_gives_other_values() {
     let text = super::text_with_design("{monte_carlo: {samples: 20}}");
-    let (one, two) = (super::study(&text), super::study(&text.replace("seed: 5", "seed: 6")));
-    assert_ne!(coordinates(&one, 0), coordinates(&two, 0));
+    let (first, other) = (super::study(&text), super::study(&text.replace("seed: 5", "seed: 6")));
+    assert_ne!(coordinates(&first, 0), coordinates(&other, 0));
 }

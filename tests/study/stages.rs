@@ -102,7 +102,7 @@ fn each_number_varies() {
          design: {start_speed_rad_s: {from: -40, to: -20}, ramp_to_1_rad_s: {from: -150, to: -50}}\n",
     ));
     assert_eq!(study.point_count(), 4);
-    let names: Vec<&str> = study.uncertain().iter().map(|one| one.name.as_str()).collect();
+    let names: Vec<&str> = study.uncertain().iter().map(|column| column.name.as_str()).collect();
     assert_eq!(names, ["hold_1_s", "kick_speed_m_s", "kick_direction_2_rad"]);
     let mut directions = Vec::new();
     for run in 0..study.run_count() {
@@ -116,8 +116,8 @@ fn each_number_varies() {
         assert_eq!(machine.speed_rad_s, [-200.0, -220.0][(planned.point_id / 2) as usize]);
         assert!((1.0..2.0).contains(&first));
         assert_eq!(case.simulation.end_time_s, 2.0 + first + over_s + 5.0);
-        let [one, other] = [0, 1].map(|kick| machine.kicks[kick]);
-        assert_eq!((one.direction_rad, one.speed_m_s), (1.0, other.speed_m_s));
+        let [first, other] = [0, 1].map(|kick| machine.kicks[kick]);
+        assert_eq!((first.direction_rad, first.speed_m_s), (1.0, other.speed_m_s));
         assert!((0.0..TAU).contains(&other.direction_rad));
         directions.push(other.direction_rad);
     }
@@ -143,7 +143,6 @@ fn runs_of_a_swept_speed_reach_it() {
     }
 }
 
-/// A wrong value is refused with its key, the value found and the allowed values.
 #[test]
 fn wrong_profiles_are_refused_with_their_key() {
     for [model, rest, key, part] in cases(

@@ -74,8 +74,8 @@ fn a_derived_quantity_has_parameters_only() {
     refused(end, &with("f / k").replace("limit", "k"), 30, "given twice", "k", "one name");
     let text = GOOD.replacen(end, &with("{value: f / k, unit: m, meaning: static deflection}"), 1);
     let study = parse(&text).unwrap_or_else(|error| panic!("{error}"));
-    let stickslip::model::Model::Own(own) = study.model() else { panic!("not a system") };
-    let [limit] = &own.derived()[..] else { panic!("one quantity") };
+    let stickslip::model::Model::Own(written) = study.model() else { panic!("not a system") };
+    let [limit] = &written.derived()[..] else { panic!("one quantity") };
     assert_eq!((limit.name.name.as_str(), limit.name.unit.as_str()), ("limit_m", "m"));
     assert!((limit.value - 20.0 / 300.0).abs() < 1e-15 && limit.is_shown, "{limit:?}");
     let ranged = |ranges: &str| with(&format!("{{value: f / k, {ranges}}}"));
@@ -258,7 +258,6 @@ fn numbers_of_bodies_without_formulas_are_refused() {
     assert!(error.contains("75 coordinates") && error.contains("at most 64"), "{error}");
 }
 
-/// The resolved study contains the system, and is the same study.
 #[test]
 fn a_resolved_study_contains_its_system() {
     let study = parse(GOOD).unwrap_or_else(|error| panic!("{error}"));

@@ -143,7 +143,7 @@ fn commented_keys(text: &str) -> Vec<(usize, String)> {
     let key = |line: &str| {
         let (margin, rest) = line.split_once("# ")?;
         let (key, value) = rest.split_once(": ")?;
-        let is_key = key.chars().all(|one| one.is_ascii_lowercase() || one == '_');
+        let is_key = key.chars().all(|letter| letter.is_ascii_lowercase() || letter == '_');
         (margin.trim().is_empty() && is_key && !value.is_empty()).then(|| format!("{margin}{rest}"))
     };
     text.lines().enumerate().filter_map(|(place, line)| Some((place, key(line)?))).collect()
@@ -177,7 +177,7 @@ fn stated_defaults(description: &str) -> Vec<String> {
     };
     let defaults =
         (0..words.len()).filter(|place| words[*place].ends_with("default")).filter_map(after);
-    let bare = |word: &&str| word.trim_matches(|one: char| "(),.;:`".contains(one)).to_owned();
+    let bare = |word: &&str| word.trim_matches(|sign: char| "(),.;:`".contains(sign)).to_owned();
     let value = |word: &String| word.parse::<f64>().is_ok() || word.chars().all(char::is_lowercase);
     let prose = ["the", "are", "as"];
     defaults.map(bare).filter(value).filter(|word| !prose.contains(&word.as_str())).collect()

@@ -97,19 +97,19 @@ fn a_joint_sequence_integrates_products_better() {
     // The standard deviation is sqrt(8/12 * 3/12) / sqrt(512) = 0.0180; 20 seeds, within four standard errors.
     assert!((independent / 0.0180 - 1.0).abs() < 4.0 / 40.0_f64.sqrt(), "{independent}");
     let joint = error("{sobol: {samples: 512}}", "joint");
-    let own = error("{sobol: {samples: 512}}", "sobol");
-    println!("independent {independent}, own {own}, joint {joint}");
-    assert!(joint < 0.2 * independent && joint < 0.2 * own, "{joint}, {own}, {independent}");
+    let apart = error("{sobol: {samples: 512}}", "sobol");
+    println!("independent {independent}, apart {apart}, joint {joint}");
+    assert!(joint < 0.2 * independent && joint < 0.2 * apart, "{joint}, {apart}, {independent}");
 }
 
 /// A Latin hypercube consists of independent axes, and so do independent draws.
 #[test]
 fn joint_is_the_own_design_unless_the_starts_are_a_sequence() {
-    for (starts, own) in [
+    for (starts, uncertain) in [
         ("{latin_hypercube: {samples: 50}}", "latin_hypercube"),
         ("{monte_carlo: {samples: 50}}", "monte_carlo"),
     ] {
-        assert_eq!(drawn(&sampled(starts, "joint")), drawn(&sampled(starts, own)));
+        assert_eq!(drawn(&sampled(starts, "joint")), drawn(&sampled(starts, uncertain)));
     }
     let starts = "{sobol: {samples: 64}}";
     assert_ne!(drawn(&sampled(starts, "joint")), drawn(&sampled(starts, "sobol")));
@@ -146,20 +146,19 @@ fn points_share_their_draws_and_the_start_states_stay() {
     for (starts, uncertain) in
         [(STRATIFIED, "latin_hypercube"), (STRATIFIED, "sobol"), ("{sobol: {samples: 9}}", "joint")]
     {
-        let one = sampled(starts, uncertain);
+        let single = sampled(starts, uncertain);
         let text = format!("{}{UNIT_BOX}{sweep}{FRACTIONS}", text_with_design(starts));
         let two = study(&format!("{text}uncertain_sampling: {{design: {uncertain}}}\n"));
         let independent = study(&text);
-        for run in 0..one.run_count() {
-            let drawn = one.planned_run(run).uncertain;
+        for run in 0..single.run_count() {
+            let drawn = single.planned_run(run).uncertain;
             assert_eq!(two.planned_run(run).uncertain, drawn);
-            assert_eq!(two.planned_run(run + one.run_count()).uncertain, drawn);
+            assert_eq!(two.planned_run(run + single.run_count()).uncertain, drawn);
             assert_eq!(coordinates(&independent, run), coordinates(&two, run));
         }
     }
 }
 
-/// The random directions of kicks are uncertain parameters.
 #[test]
 fn random_directions_are_axes_of_the_design() {
     let text = text_with_design("{monte_carlo: {samples: 40}}").replace(
@@ -231,7 +230,8 @@ fn designs_keep_their_values() {
         ("{monte_carlo: {samples: 100}}", "sobol"),
         ("{sobol: {samples: 100}}", "joint"),
     ];
-    let found = designs.map(|(starts, own)| sampled(starts, own).planned_run(17).uncertain);
+    let found =
+        designs.map(|(starts, uncertain)| sampled(starts, uncertain).planned_run(17).uncertain);
     let expected = [
         [0.8999197507631674, 0.7717029988631597, 0.11780211003030361],
         [0.9846250356568068, 0.6569356701759708, 0.6619995259335818],

@@ -25,8 +25,8 @@ fn same(with_units: &str, si: &str) {
     // The last key names the units that the study writes.
     let without_units =
         |study: &Study| study.resolved_yaml().split("\nunits:").next().unwrap().to_owned();
-    let [one, other] = [&with_units, &si].map(without_units);
-    assert_eq!(one.trim_end(), other.trim_end());
+    let [resolved, expected] = [&with_units, &si].map(without_units);
+    assert_eq!(resolved.trim_end(), expected.trim_end());
     assert_eq!(with_units.hash(), si.hash());
     same_runs(&with_units, &si);
 }
@@ -250,6 +250,7 @@ fn ranges_are_lists() {
         assert_eq!(values(&format!("friction_coefficient: {range}")), tenths, "{range}");
     }
     assert_eq!(values("speed_rad_s: {from: -1, to: -3, step: -0.75}"), [-1.0, -1.75, -2.5]);
+    assert_eq!(values("balls: {from: 1, to: 4, step: 1}"), [1.0, 2.0, 3.0, 4.0]);
     assert_eq!(values("speed_rad_s: {from: -0.3, to: 0.3, step: 0.1}")[2..4], [-0.1, 0.0]);
     let logarithmic = "{from: 1e-3, to: 10, count: 5, spacing: logarithmic}";
     assert_eq!(
@@ -307,8 +308,8 @@ fn people_read_the_units_of_the_study() {
     assert_eq!(names(""), written);
     let chosen = ["speed [rev/s]", "ball_mass [mg]", "table_mass [mg]", "-50", "200", "mm"];
     assert_eq!(names("units: {mass: mg, speed: rev/s, vibration: mm}\n"), chosen);
-    let one = ["speed [rpm]", "ball_mass [mg]", "table_mass_kg", "-3000", "200", "µm"];
-    assert_eq!(names("units: {ball_mass: mg}\n"), one);
+    let of_balls = ["speed [rpm]", "ball_mass [mg]", "table_mass_kg", "-3000", "200", "µm"];
+    assert_eq!(names("units: {ball_mass: mg}\n"), of_balls);
     assert_eq!(parse("").unwrap().hash(), parse("units: {mass: g}\n").unwrap().hash());
     for (units, parts) in [
         ("units: {sped: rpm}\n", ["units.sped", "speed (did you mean this?)"]),
@@ -338,8 +339,8 @@ fn columns_may_have_units() {
     let units = study("speed_rad_s [rad/s],ball_mass [g]\n-100,0.11\n-200,0.13\n").unwrap();
     assert_eq!(swept(units), swept(plain));
     let inline = "{columns: [\"speed [rpm]\"], rows: [[-3000], [-6000]]}";
-    let (one, _) = swept(Study::parse(Path::new("a.yaml"), text(inline)).unwrap());
-    let ParameterValue::Number(speed) = one[0] else { panic!("a number") };
+    let (first, _) = swept(Study::parse(Path::new("a.yaml"), text(inline)).unwrap());
+    let ParameterValue::Number(speed) = first[0] else { panic!("a number") };
     assert!((speed + 100.0 * std::f64::consts::PI).abs() < 1e-12);
     for (header, parts) in [
         ("speed [mm]", ["column speed [mm]", "a speed of rotation, such as"]),

@@ -4,7 +4,6 @@ use stickslip::study::{DesignValue, json_schema};
 
 use super::{laws, parse, study};
 
-/// Every numeric parameter of every model and friction law can be a variable.
 #[test]
 fn every_numeric_parameter_can_be_a_variable() {
     let schema = json_schema();

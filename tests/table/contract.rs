@@ -1,8 +1,6 @@
 //! Names, order, types, units and descriptions of columns. Readers rely on them: a change here
 //! breaks user code and must be announced.
 
-use std::collections::BTreeSet;
-
 use arrow::array::RecordBatch;
 use arrow::datatypes::DataType;
 
@@ -11,10 +9,6 @@ use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, study_text, words};
 const REST: &str = "sweep:\n\
                     \x20 - grid: {speed_rad_s: [-160.0], normal_force: [lagrange, newton]}\n\
                     uncertain: {ball_mass_2_kg: {uniform: {min: 1.3e-4, max: 1.5e-4}}}\n";
-
-fn study() -> String {
-    study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, REST)
-}
 
 /// Returns name, type and unit of every column; `n` is a number, `l` a list of numbers, `c` a
 /// count, `s` a small count, `i` a signed integer, `b` a boolean, `w` an enumerated word, `t` text.
@@ -49,8 +43,8 @@ pub fn listed(names: &str) -> Vec<String> {
 const NON_DIMENSIONAL: &str = "n 1 (non-dimensional)";
 
 #[test]
-fn runs() {
-    let scratch = Scratch::ran(study());
+fn runs_and_points() {
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 5}}", AT_ONCE, REST));
     let start = |name: &str| format!("{name} {NON_DIMENSIONAL}");
     let mut expected = listed(
         "run_id c -, point_id c -, cell c -, replicate c -, speed_rad_s n rad/s, normal_force w -, \
@@ -72,6 +66,7 @@ fn runs() {
          error t -, audit_label w -, audit_evidence w -",
     ));
     assert_eq!(columns(&scratch.table("out", "runs")), expected);
+    points(&scratch);
 }
 
 /// A parameter that is swept and sampled by a factor has two columns for runs: the value of the run
@@ -109,17 +104,14 @@ fn a_parameter_that_is_swept_and_drawn() {
     let header = plan.lines().next().unwrap();
     assert_eq!(header.matches("nominal_friction_coefficient").count(), 1);
     assert_eq!(header.matches("friction_coefficient").count(), 2);
-    let replayed = scratch.well("replay out 3 --json --out replayed");
-    let replayed: serde_json::Value = serde_json::from_str(&replayed).unwrap();
+    let replayed = scratch.json("replay out 3 --json --out replayed");
     assert_eq!(replayed["differences"], serde_json::json!([]), "{replayed:#}");
     for command in ["report out", "summary out"] {
         scratch.well(command);
     }
 }
 
-#[test]
-fn points() {
-    let scratch = Scratch::ran(study());
+fn points(scratch: &Scratch) {
     let expected = listed(
         "point_id c -, speed_rad_s n rad/s, normal_force w -, runs c -, equilibrium_runs c -, \
          limit_cycle_runs c -, creep_runs c -, quasi_periodic_runs c -, irregular_runs c -, \
@@ -240,17 +232,4 @@ fn equilibria_of_balls_that_differ_keep_their_places() {
         let kept: Vec<Option<f64>> = ids.iter().map(|&run| all[run as usize]).collect();
         assert_eq!(numbers(&equilibria, name), kept);
     }
-}
-
-/// Any number of balls has its own columns; three suffice to show the pattern.
-#[test]
-fn columns_of_three_balls() {
-    let model = "model: {kind: ball_balancer, parameters: {balls: 3}}\n";
-    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 2}}", AT_ONCE, model));
-    let runs = columns(&scratch.table("out", "runs"));
-    let runs: BTreeSet<&str> = runs.iter().filter_map(|column| column.split(' ').next()).collect();
-    for name in ["initial_beta_3", "initial_beta_dot_3", "beta_3_rad", "ball_speed_3_rad_s"] {
-        assert!(runs.contains(name), "{name}");
-    }
-    assert!(columns(&scratch.table("out", "equilibria")).contains(&"beta_3_rad n rad".to_owned()));
 }

@@ -90,15 +90,15 @@ fn a_block_on_a_belt_has_one_cycle() {
 /// unknown.
 fn constructed(case: &Case) -> Outcome {
     let start = &case.start.0;
-    let (own, other) = (start[2], start[3]);
+    let (first, second) = (start[2], start[3]);
     let sense = case.model.ball_balancer().expect("a balancer").speed_rad_s.signum() as i32;
-    let first_rests = own < 3.0;
+    let first_rests = first < 3.0;
     let runs = if sense > 0 { CyclePhase::Backward } else { CyclePhase::Forward };
     let of_balls =
-        |first, second| if first_rests { vec![second, first] } else { vec![first, second] };
-    let cycle = if other < 1.0 {
+        |running, other| if first_rests { vec![other, running] } else { vec![running, other] };
+    let cycle = if second < 1.0 {
         None
-    } else if other < 2.0 {
+    } else if second < 2.0 {
         Some((vec![-sense; 2], vec![vec![runs; 2]]))
     } else {
         let balls = of_balls(runs, CyclePhase::Stick);
@@ -108,22 +108,22 @@ fn constructed(case: &Case) -> Outcome {
         Box::new(Cycle {
             position_extremes: turns
                 .iter()
-                .map(|&turns| (turns == 0).then_some([own; 2]))
+                .map(|&turns| (turns == 0).then_some([first; 2]))
                 .collect(),
-            speed_extremes: vec![[-own, own]; 2],
-            peak_amplitude_m: own,
-            multipliers: vec![0.1 * own, 0.01 * own],
+            speed_extremes: vec![[-first, first]; 2],
+            peak_amplitude_m: first,
+            multipliers: vec![0.1 * first, 0.01 * first],
             neutral_directions: 1,
             ..crate::analysis::cycle_classes::cycle(turns, configurations)
         })
     });
     Outcome {
-        amplitude_m: Some(1e-5 * own),
+        amplitude_m: Some(1e-5 * first),
         end_time_s: Some(4.0),
-        position: Some(vec![own, own]),
+        position: Some(vec![first, first]),
         ..Outcome::of(Evidence::ClosedOrbit(ClosedOrbit {
-            period_s: 0.1 + 1e-4 * own,
-            friction_margin: Some(0.1 * other),
+            period_s: 0.1 + 1e-4 * first,
+            friction_margin: Some(0.1 * second),
             cycle,
         }))
     }
@@ -143,16 +143,7 @@ fn written(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8
         &mut tables,
     )
     .unwrap();
-    let circumstances = Circumstances {
-        runs_kept: 0,
-        shard: "1/1".to_owned(),
-        runs_planned: study.run_count(),
-        complete: true,
-        started_unix_s: 0.0,
-        wall_s: 0.0,
-        threads,
-        merging: Vec::new(),
-    };
+    let circumstances = Circumstances::begin("1/1".to_owned(), study.run_count());
     let manifest = tables.finish(study, circumstances).expect("written tables");
     assert_eq!(manifest.files["cycles.parquet"].rows, Some(6));
     fs::read(folder.join("cycles.parquet")).unwrap()
@@ -196,8 +187,8 @@ fn constructed_cycles_of_balls_are_written() {
     assert_eq!((value("period_low_s"), value("period_high_s")), (low, high));
     let median = periods[periods.len() / 2];
     assert!((value("period_s") - median).abs() < 0.01 * (high - low));
-    let own = |outcome: &Outcome| outcome.position.as_ref().unwrap()[0];
-    let widest = runs.iter().max_by(|a, b| own(a).total_cmp(&own(b))).unwrap();
+    let angle = |outcome: &Outcome| outcome.position.as_ref().unwrap()[0];
+    let widest = runs.iter().max_by(|a, b| angle(a).total_cmp(&angle(b))).unwrap();
     let multipliers = column(&cycles, "multipliers").as_list::<i32>().value(0);
     let multipliers = multipliers.as_primitive::<Float64Type>().values().to_vec();
     assert_eq!(multipliers, widest.evidence.cycle().expect("a cycle").multipliers);
@@ -205,7 +196,7 @@ fn constructed_cycles_of_balls_are_written() {
     let margins = runs.iter().filter_map(|outcome| outcome.evidence.friction_margin());
     assert_eq!(value("min_friction_margin"), margins.fold(f64::MAX, f64::min));
     // Angles all around the circle: the arc excludes the longest gap between two of them.
-    let mut angles: Vec<f64> = runs.iter().map(own).collect();
+    let mut angles: Vec<f64> = runs.iter().map(angle).collect();
     angles.sort_by(f64::total_cmp);
     let wrapped = angles[0] + std::f64::consts::TAU;
     let next = angles[1..].iter().copied().chain([wrapped]);

@@ -1,6 +1,5 @@
 //! The intervals of `points.parquet` and of the JSON fit the design, and their method is named.
 
-use serde_json::Value;
 use stickslip::analysis::{Z_95, wilson};
 use stickslip::classification::Label;
 
@@ -9,8 +8,7 @@ use crate::cli::support::{Scratch, counts, numbers, study_text, words};
 /// Returns the only point of a study with this design: method, ends, equilibria and runs.
 fn point(design: &str, more: &str) -> (String, (f64, f64), u64, u64) {
     let scratch = Scratch::with(study_text("a", design, 5.0, ""));
-    let printed = scratch.well(&format!("run a.yaml --out out --json {more}"));
-    let json: Value = serde_json::from_str(&printed).unwrap();
+    let json = scratch.json(&format!("run a.yaml --out out --json {more}"));
     let points = scratch.table("out", "points");
     let [low, high] = ["ci_low", "ci_high"].map(|name| numbers(&points, name)[0].unwrap());
     let method = words(&points, "ci_method")[0].clone().unwrap();

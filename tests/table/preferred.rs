@@ -8,15 +8,6 @@ use stickslip::analysis::{bin_edges, wilson};
 use super::contract::{columns, listed};
 use crate::cli::support::{AT_ONCE, Scratch, counts, numbers, study_text};
 
-fn results(model: &str, speeds: &str, samples: u32, end_time_s: f64) -> Scratch {
-    let scratch = Scratch::new();
-    let design = format!("{{monte_carlo: {{samples: {samples}}}}}");
-    let rest = format!("{model}sweep: [{{grid: {{speed_rad_s: [{speeds}]}}}}]\n");
-    scratch.write("a.yaml", study_text("a", &design, end_time_s, &rest));
-    scratch.well("run a.yaml --out out");
-    scratch
-}
-
 fn all(table: &RecordBatch, name: &str) -> Vec<f64> {
     numbers(table, name).into_iter().map(|number| number.expect("a number")).collect()
 }
@@ -24,7 +15,8 @@ fn all(table: &RecordBatch, name: &str) -> Vec<f64> {
 /// The histogram's rows count the equilibria by point and bins.
 #[test]
 fn bins_count_the_equilibria() {
-    let scratch = results("", "-160.0, -216.0", 100, 8.0);
+    let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -216.0]}}]\n";
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 100}}", 8.0, sweep));
     let [equilibria, histogram] =
         ["equilibria", "equilibrium_histogram"].map(|name| scratch.table("out", name));
     let expected = listed(
@@ -68,8 +60,9 @@ fn bins_count_the_equilibria() {
 #[test]
 fn other_numbers_of_balls_have_their_histograms() {
     let model = "model: {kind: ball_balancer, parameters: {balls: [{mass_kg: 1.4e-4}, \
-                 {mass_kg: 1.0e-4}, {mass_kg: 1.4e-4}]}}\n";
-    let scratch = results(model, "-160.0", 30, 8.0);
+                 {mass_kg: 1.0e-4}, {mass_kg: 1.4e-4}]}}\n\
+                 sweep: [{grid: {speed_rad_s: [-160.0]}}]\n";
+    let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 30}}", 8.0, model));
     let [equilibria, histogram] =
         ["equilibria", "equilibrium_histogram"].map(|name| scratch.table("out", name));
     let expected = listed(

@@ -234,25 +234,6 @@ fn listing(path: &Path, manifest: &Manifest) -> Manifest {
     manifest
 }
 
-/// A table with one changed bit is refused before any of its content is read.
-#[test]
-fn a_file_with_one_changed_bit_is_refused() {
-    let (folder, manifest) = one_table(100, &right());
-    let path = folder.path().join("t.parquet");
-    let right = fs::read(&path).unwrap();
-    let bits = right.len() * 8;
-    for sample in 0..120 {
-        let bit = sample * bits / 120 + (sample * 7) % (bits / 120);
-        let mut bytes = right.clone();
-        bytes[bit / 8] ^= 1 << (bit % 8);
-        fs::write(&path, &bytes).unwrap();
-        let opened = Table::open(folder.path(), &manifest, "t");
-        refused(opened, &["t.parquet: this is not the file that was written", "other content"]);
-    }
-    fs::write(&path, &right).unwrap();
-    assert!(Table::open(folder.path(), &manifest, "t").is_ok());
-}
-
 /// A table with a changed byte whose hash the manifest lists is read or refused without a panic.
 #[test]
 fn damaged_files_are_read_or_refused() {

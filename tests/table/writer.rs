@@ -57,7 +57,6 @@ fn read(path: &Path) -> Vec<u64> {
     }
 }
 
-/// Returns the files below a directory.
 fn files(directory: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<PathBuf> =
@@ -66,7 +65,6 @@ fn files(directory: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Returns the number of files and directories in a directory.
 fn entries(directory: &Path) -> usize {
     fs::read_dir(directory).unwrap().count()
 }
@@ -140,10 +138,10 @@ fn two_that_write_the_same_table() {
         for last in [6, 16] {
             let scratch = tempdir().unwrap();
             let path = scratch.path().join("t.parquet");
-            let (one, other) = (begin(&path, 10, 0..first), begin(&path, 10, 0..last));
-            one.finish().unwrap();
+            let (earlier, later) = (begin(&path, 10, 0..first), begin(&path, 10, 0..last));
+            earlier.finish().unwrap();
             assert_eq!(read(&path).len() as u64, first);
-            other.finish().unwrap();
+            later.finish().unwrap();
             assert_eq!(read(&path).len() as u64, last);
             assert_eq!(entries(scratch.path()), 1, "only the table");
         }
