@@ -92,7 +92,7 @@ impl<'a> LaneStep<'a> {
             let value = self.group.value(&self.group.series(self.lane, component), after);
             let is_place = |place: &ContactPlace| place.position == component;
             let contact = self.view.contacts.iter().position(is_place);
-            value + contact.map_or(0.0, |contact| self.group.turned_before(self.lane)[contact])
+            contact.map_or(value, |contact| value + self.group.turned_before(self.lane)[contact])
         };
         let output = self.view.system().output(number, &component);
         output.unwrap_or_else(|| self.outputs_at([time])[0][number])

@@ -78,8 +78,8 @@ pub trait System: Any + Debug + Send + Sync {
         Components::new()
     }
 
-    /// Returns the value of one of the outputs, which may need few components of the state; `None` if only
-    /// [`System::outputs`] returns it.
+    /// Returns the value of one of the outputs, the same as in [`System::outputs`], from the components of the state that
+    /// it needs; `None` if only [`System::outputs`] returns it.
     fn output(&self, _number: usize, _state: &dyn Fn(usize) -> f64) -> Option<f64> {
         None
     }

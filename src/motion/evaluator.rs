@@ -119,10 +119,15 @@ impl Evaluator {
         let contacts = 0..self.graph.contacts.len();
         let components: Option<_> =
             contacts.map(|contact| Some(state[self.graph.speed_component(contact)?])).collect();
+        let sliding_speeds = &self.graph.sliding_speeds;
         components.unwrap_or_else(|| {
+            if sliding_speeds.has_unknowns {
+                let forces = self.forces(&self.no_phases(), state);
+                return forces.iter().map(|contact| contact.speed).collect();
+            }
             let inputs = self.inputs(&self.no_phases());
             let component = |component: usize| state[component];
-            self.graph.sliding_speeds.values(|index| inputs[index], component).collect()
+            sliding_speeds.values(|index| inputs[index], component).collect()
         })
     }
 

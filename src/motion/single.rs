@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::thread::panicking;
 
 use super::cancellation::unwind_if_cancelled;
-use super::lockstep::{LANES, LaneGroup, SavedRun, has_tuned_kernel};
+use super::lockstep::{LANES, LaneGroup, SavedRun, suits_tuned_kernel};
 use super::root::fall_through_zero;
 use super::{
     Effort, Evaluator, Failure, Forces, PerContact, Phase, Phases, SLOW, Settings, SimdLevel,
@@ -323,28 +323,29 @@ impl Motion {
 
 impl Drop for Motion {
     fn drop(&mut self) {
-        // Lanes in which a step has failed by a panic are not used again, and none are kept when the thread ends.
+        // No lanes are kept while a panic unwinds, which may have interrupted a step, or when the thread ends.
         if panicking() {
             return;
         }
-        let _ = SPARE.try_with(|spare| {
-            let mut spare = spare.borrow_mut();
-            for mut group in self.groups.drain(..) {
-                (0..LANES).for_each(|lane| drop(group.take(lane)));
-                spare.push(group);
-            }
-            let surplus = spare.len().saturating_sub(MOST_SPARE);
-            spare.drain(..surplus);
-        });
+        let Ok(mut spare) = SPARE.try_with(RefCell::take) else { return };
+        for mut group in self.groups.drain(..) {
+            (0..LANES).for_each(|lane| drop(group.take(lane)));
+            spare.push(group);
+        }
+        let surplus = spare.len().saturating_sub(MOST_SPARE);
+        spare.drain(..surplus);
+        SPARE.set(spare);
     }
 }
 
 /// Returns spare lanes with the kernel that computes a system.
 fn spare_lanes(system: &Arc<dyn System>) -> Option<Box<dyn LaneGroup>> {
-    SPARE.with_borrow_mut(|spare| {
-        let is_tuned = has_tuned_kernel(system);
-        let suits = |group: &Box<dyn LaneGroup>| group.fits(system) && group.is_tuned() == is_tuned;
-        let place = spare.iter().rposition(suits)?;
-        Some(spare.remove(place))
-    })
+    // Not borrowed, because a system that is recorded may compute a motion.
+    let mut spare = SPARE.take();
+    let is_tuned = suits_tuned_kernel(system);
+    let suits = |group: &Box<dyn LaneGroup>| group.is_tuned() == is_tuned && group.fits(system);
+    let place = spare.iter().rposition(suits);
+    let lanes = place.map(|place| spare.remove(place));
+    SPARE.set(spare);
+    lanes
 }

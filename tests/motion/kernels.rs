@@ -1,10 +1,15 @@
 //! The kernel that is written for the balancer against the general one, step by step.
 
-use stickslip::model::{Balancer, FrictionLaw, Machine, Method};
+use std::sync::Arc;
+use std::thread;
+
+use stickslip::model::{Balancer, Components, FrictionLaw, Machine, Method, System};
 use stickslip::motion::{Motion, Phase, Settings, Tolerance};
 
 use super::samples::Sampler;
-use crate::support::{angular_distance, for_each_kernel};
+use crate::support::{
+    METHODS, angular_distance, for_each_kernel, go_on, settings, spread_start, start_of,
+};
 
 /// Returns a random machine: of six machines, one has viscous drag and one has Coulomb friction and viscous drag.
 fn machine(sampler: &mut Sampler, balls: usize) -> Machine {
@@ -91,5 +96,39 @@ fn kernels_agree_in_every_step() {
         let [stick, slip, transition, switches] = seen;
         assert!(stick > 1000 && slip > 1000 && switches > 100, "{seen:?}");
         assert!(method == Method::Event || transition > 30, "{seen:?}");
+    }
+}
+
+/// Lanes that another motion has used change no bit of a later motion on the same thread, whether the other motion has the
+/// same kernel or not.
+#[test]
+fn lanes_used_before_change_no_bit() {
+    let start = start_of::<2>(&spread_start(1)).components();
+    let unit = |place: usize| {
+        (0..start.len()).map(|other| if other == place { 1.0 } else { 0.0 }).collect::<Components>()
+    };
+    let directions: Vec<_> = (0..start.len()).map(unit).collect();
+    let machines = [Machine::default(), Machine { speed_rad_s: -216.0, ..Machine::default() }];
+    let systems = machines
+        .map(|machine| for_each_kernel(Balancer::<2>::new(&machine).expect("as many balls")));
+    let systems: Vec<_> = systems.into_iter().flatten().collect();
+    let end = |system: &Arc<dyn System>, method: Method| {
+        let settings = settings(method, 1e-6);
+        let alone = Motion::new(system, settings, &start).expect("starts").state();
+        let mut motion =
+            Motion::with_directions(system, settings, &start, &directions).expect("starts");
+        go_on(&mut motion, 20.0);
+        (alone, motion.state(), motion.perturbations())
+    };
+    for method in METHODS {
+        // A thread begins without lanes.
+        let in_new_lanes = |system: &Arc<dyn System>| {
+            thread::scope(|threads| threads.spawn(|| end(system, method)).join().expect("no panic"))
+        };
+        let expected: Vec<_> = systems.iter().map(in_new_lanes).collect();
+        assert_ne!(expected[0], expected[1], "kernels differ by rounding");
+        for which in [0, 1, 2, 3, 1, 0, 3, 2] {
+            assert_eq!(end(&systems[which], method), expected[which], "{method:?} {which}");
+        }
     }
 }

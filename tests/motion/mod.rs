@@ -13,6 +13,7 @@ mod impacts;
 mod inertial;
 mod kernels;
 mod mode_selection;
+mod momentum;
 mod opening_contact;
 mod operations;
 mod recorded_equations;

@@ -13,6 +13,8 @@ pub(crate) struct GraphPart {
     /// The place of each node of the graph among `nodes`.
     places: Vec<NodeId>,
     results: Vec<NodeId>,
+    /// Whether the results need unknowns of linear systems.
+    pub(crate) has_unknowns: bool,
 }
 
 /// Returns whether each node is needed for one of these results.
@@ -36,11 +38,13 @@ impl GraphPart {
     /// Returns the part of a graph with these nodes and linear systems that the results need.
     pub(super) fn of(nodes: &[Node], solves: &[Solve], results: Vec<NodeId>) -> Self {
         let is_needed = needed_by(nodes, solves, results.iter().copied());
-        let mut part = GraphPart { nodes: Vec::new(), places: vec![0; nodes.len()], results };
+        let places = vec![0; nodes.len()];
+        let mut part = GraphPart { nodes: Vec::new(), places, results, has_unknowns: false };
         for ((node, place), is_needed) in nodes.iter().zip(&mut part.places).zip(is_needed) {
             if is_needed {
                 *place = part.nodes.len() as NodeId;
                 part.nodes.push(*node);
+                part.has_unknowns |= matches!(node, Node::Solution { .. });
             }
         }
         part

@@ -60,9 +60,7 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the components of one lane.
     fn lane(&self, states: &Self::LaneStates, lane: usize) -> Components;
     /// Returns a component of one lane.
-    fn lane_component(&self, states: &Self::LaneStates, lane: usize, component: usize) -> f64 {
-        self.lane(states, lane)[component]
-    }
+    fn lane_component(&self, states: &Self::LaneStates, lane: usize, component: usize) -> f64;
     /// Sets the components of one lane.
     fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]);
     /// Replaces the components in the lanes of a mask.

@@ -25,8 +25,8 @@ impl SimdLevel {
     }
 }
 
-/// Returns whether a kernel is written for the type of a system, at least in builds without debug assertions.
-pub(crate) fn has_tuned_kernel(system: &Arc<dyn System>) -> bool {
+/// Returns whether a tuned kernel computes a system, where it is compiled.
+pub(crate) fn suits_tuned_kernel(system: &Arc<dyn System>) -> bool {
     macro_rules! computes {
         ($($balls:literal)*) => { $(TunedKernel::<Baseline, $balls>::computes(system))||* };
     }

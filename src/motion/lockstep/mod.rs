@@ -46,7 +46,7 @@ mod tuned;
 mod vector;
 
 pub(crate) use advance::StepReport;
-pub(crate) use kernel_choice::has_tuned_kernel;
+pub(crate) use kernel_choice::suits_tuned_kernel;
 pub(crate) use lane_group::LaneGroup;
 pub(super) use root_isolation::width;
 pub(crate) use saved_run::SavedRun;
