@@ -343,8 +343,7 @@ fn spare_lanes(system: &Arc<dyn System>) -> Option<Box<dyn LaneGroup>> {
     // Not borrowed, because a system that is recorded may compute a motion.
     let mut spare = SPARE.take();
     let is_tuned = suits_tuned_kernel(system);
-    let suits = |group: &Box<dyn LaneGroup>| group.is_tuned() == is_tuned && group.fits(system);
-    let place = spare.iter().rposition(suits);
+    let place = spare.iter().rposition(|group| group.is_tuned() == is_tuned && group.fits(system));
     let lanes = place.map(|place| spare.remove(place));
     SPARE.set(spare);
     lanes
