@@ -27,7 +27,7 @@ pub(super) enum CycleWatch {
 pub struct FoundEndings {
     /// Limit cycles.
     pub cycles: bool,
-    /// Rests in which contacts stick.
+    /// Rests in which contacts stick, or rests of a system without contacts.
     pub rests: bool,
 }
 
@@ -36,7 +36,8 @@ pub fn found_endings(model: &Model) -> FoundEndings {
     let Some(system) = model.system() else { return FoundEndings { cycles: true, rests: true } };
     let view = SystemView::new(Evaluator::new(system));
     let cycles = view.revolves() || BreakAwayWatch::suits(&view) || has_orbits(&view);
-    FoundEndings { cycles, rests: view.rest_forms().is_some() }
+    let rests = view.contacts.is_empty() || view.rest_forms().is_some();
+    FoundEndings { cycles, rests }
 }
 
 /// Returns whether periods of a forcing, or turning points of several bodies or of one body with several contacts, can mark cycles.

@@ -2,6 +2,7 @@
 
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, Machine, Simulation};
+use stickslip::study::Study;
 
 use crate::support::{angular_distance, cases_of, parse, shipped};
 
@@ -24,6 +25,34 @@ fn a_belt_oscillator_of_a_file_slides_as_often_as_published() {
     let slides = fraction(Label::Equilibrium);
     assert!((slides - 0.312).abs() < 4.0 * (0.312_f64 * 0.688 / 600.0).sqrt(), "{slides}");
     assert_eq!(fraction(Label::Undecided) + fraction(Label::Failed), 0.0);
+}
+
+/// A pendulum without contacts comes to rest if it is damped: an amplitude of 1 rad decays as exp(-t / 10 s) to 1e-6 in 138 s.
+/// Without damping it swings on, which no evidence decides.
+#[test]
+fn a_damped_pendulum_comes_to_rest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (damping, label) in [("0.2", Label::Equilibrium), ("0", Label::Undecided)] {
+        let system = format!(
+            "system: pendulum\nmeaning: a pendulum\nparameters: {{l: 1 m, c: {damping} N m s, g: 9.81 m/s^2, m: 1 kg}}\n\
+             coordinates:\n  phi: {{unit: rad, start: [0.1, 1], periodic: true}}\n\
+             mass: {{phi: {{phi: m * l^2}}}}\nforce: {{phi: -m * g * l * sin(phi) - c * phi'}}\n"
+        );
+        std::fs::write(folder.path().join("pendulum.yaml"), system).expect("a file");
+        let study = "schema: 1\nname: a\nseed: 1\nmodel: {system: pendulum.yaml}\n\
+                     initial_conditions: {design: {latin_hypercube: {samples: 8}}}\nsimulation: {end_time_s: 200}\n";
+        let study = Study::parse(&folder.path().join("a.yaml"), study.to_owned()).expect("valid");
+        for case in cases_of(&study) {
+            let outcome = simulate(&case);
+            assert_eq!(outcome.label(), label, "{outcome:?}");
+            if label == Label::Equilibrium {
+                let time = outcome.time_to_rest_s().expect("a time");
+                assert!((100.0..145.0).contains(&time), "{time}");
+                let angle = outcome.outputs[0].end;
+                assert!(angular_distance(angle, 0.0) < 1e-5, "{angle}");
+            }
+        }
+    }
 }
 
 /// The balancer with two balls, written as a file, ends as the built-in one does: its normal forces are reactions that contain

@@ -208,7 +208,8 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn set_rest(&mut self, lane: usize, run: &Lane, _state: &[f64]) {
         let bit = 1 << lane;
-        let sticks = all_stick(&run.phases);
+        // A system without contacts moves until its motion has decayed.
+        let sticks = self.contacts() > 0 && all_stick(&run.phases);
         self.stuck = self.stuck & !bit | if sticks { bit } else { 0 };
     }
 
