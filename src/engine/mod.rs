@@ -9,7 +9,7 @@
 //!
 //! Directories of results follow: `output_dir` prepares the directory of a study. `exclusive_directory` is for commands
 //! that fill a directory once, and `continued_directory` for commands that continue one. `results_study` reads the
-//! study of a directory, and `readable_results` its finished runs, of which it makes tables.
+//! study of a directory. `readable_results` reads the finished runs and makes tables of them.
 
 mod batches;
 mod chunk_writer;

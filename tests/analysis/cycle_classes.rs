@@ -356,7 +356,9 @@ fn classes_say_which_balls_touch() {
     for order in orders(4) {
         // Two of three running balls touch, and the third one meets a ball that rests.
         let (turns, angles) = ([-1, -1, -1, 0], [0.1, 0.2, 0.3, 0.4]);
-        let place = |ball: usize| order.iter().position(|placed| *placed == ball).unwrap();
+        let place = |ball: usize| {
+            order.iter().position(|placed| *placed == ball).expect("each ball is placed")
+        };
         let pair = |first: usize, second: usize| {
             let (first, second) = (place(first), place(second));
             [first.min(second), first.max(second)]

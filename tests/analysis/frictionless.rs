@@ -130,7 +130,7 @@ fn machines() -> Vec<Machine> {
 fn tangential_forces_vanish_at_equilibria() {
     for machine in machines() {
         for equilibrium in at(&machine, 1.0) {
-            let beta = equilibrium.beta_rad.clone().unwrap();
+            let beta = equilibrium.beta_rad.clone().expect("angles");
             for force in tangential_forces(&machine, &beta) {
                 assert!(force.abs() < 1e-14, "{equilibrium:?}");
             }
@@ -193,7 +193,7 @@ fn a_numerical_search_finds_the_same_equilibria() {
             }
             let same = known.iter().position(|equilibrium| {
                 let exchanged = sorted_where_identical(&beta, &machine.balls);
-                let angles = equilibrium.beta_rad.as_ref().unwrap();
+                let angles = equilibrium.beta_rad.as_ref().expect("angles");
                 distance(&exchanged, &sorted_where_identical(angles, &machine.balls)) < 1e-6
             });
             met[same.unwrap_or_else(|| panic!("{beta:?} of {machine:?} is not in {known:?}"))] =
@@ -212,7 +212,7 @@ fn a_numerical_search_finds_the_same_equilibria() {
 fn three_balls_balance_in_a_family() {
     let balls = vec![Ball::default(); 3];
     let above = at(&Machine { balls: balls.clone(), ..thesis(-216.3772) }, HIGH);
-    let family = above.iter().find(|equilibrium| equilibrium.kind == Kind::B1).unwrap();
+    let family = above.iter().find(|equilibrium| equilibrium.kind == Kind::B1).expect("a family");
     assert_eq!(family.family_dimension, 1);
     assert_eq!(stable(&above), [Kind::B1]);
     let zeros = family.eigenvalues_per_s.iter().filter(|value| value.norm() < 1e-6).count();

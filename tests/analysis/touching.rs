@@ -41,8 +41,9 @@ fn a_search_finds_the_equilibria_of_two_balls_that_touch() {
         for masses in [[1.0, 1.0], [1.0, 0.3], [0.5, 2.0]] {
             let machine = machine(speed, &masses);
             let angle = machine.contact_angle_rad(&machine.balls[0], &machine.balls[1]);
-            let known = frictionless_equilibria(&machine, 1e4).unwrap();
-            let known = known.iter().map(|equilibrium| equilibrium.beta_rad.clone().unwrap());
+            let known = frictionless_equilibria(&machine, 1e4).expect("three balls");
+            let known =
+                known.iter().map(|equilibrium| equilibrium.beta_rad.clone().expect("angles"));
             let mut known: Vec<_> = known
                 .filter(|beta| (angular_distance(beta[0], beta[1]) - angle).abs() < 1e-9)
                 .collect();
@@ -91,9 +92,10 @@ fn equilibria_of_rows_need_no_friction_and_move_as_linearised() {
     for speed in [-150.0, -173.1803, -216.3772] {
         for masses in [[1.0, 1.0, 1.0], [1.0, 0.5, 1.0], [0.4, 1.0, 1.7]] {
             let machine = machine(speed, &masses);
-            let form = RestForm::new(&machine).unwrap();
-            for equilibrium in frictionless_equilibria(&machine, 1e4).unwrap() {
-                let beta: [f64; 3] = equilibrium.beta_rad.clone().unwrap().try_into().unwrap();
+            let form = RestForm::new(&machine).expect("a sound machine");
+            for equilibrium in frictionless_equilibria(&machine, 1e4).expect("three balls") {
+                let beta: [f64; 3] =
+                    equilibrium.beta_rad.clone().expect("angles").try_into().expect("three balls");
                 let system = BallsInContact::<3>::new(&machine, &SLIDING, &beta).unwrap();
                 for (ball, other) in [(0, 1), (1, 2), (0, 2)] {
                     let angle =
@@ -169,7 +171,7 @@ fn the_row_is_stable_below_the_natural_frequency() {
     for (speed, expected) in [(-160.8103, Kind::A1Plus), (-216.3772, Kind::B1)] {
         for balls in [2, 3, 5] {
             let machine = machine(speed, &vec![1.0; balls]);
-            let found = frictionless_equilibria(&machine, 1e4).unwrap();
+            let found = frictionless_equilibria(&machine, 1e4).expect("three balls");
             let stable: Vec<Kind> = found
                 .iter()
                 .filter(|equilibrium| equilibrium.stability == Stability::Stable)
@@ -186,7 +188,7 @@ fn the_row_is_stable_below_the_natural_frequency() {
 fn balls_balance_apart() {
     for balls in 3..=8 {
         let machine = machine(-216.3772, &vec![1.0; balls]);
-        let form = RestForm::new(&machine).unwrap();
+        let form = RestForm::new(&machine).expect("a sound machine");
         let Balance::Family { example, dimension } = Balance::of(&form) else {
             panic!("{balls} balls do not balance")
         };

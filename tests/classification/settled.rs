@@ -103,7 +103,7 @@ fn claims_are_stable_equilibria_and_last() {
             let near = equilibria(&machine)
                 .iter()
                 .filter(stable)
-                .any(|rest| apart(rest.beta_rad.as_ref().unwrap(), &sorted) < 1e-3);
+                .any(|rest| apart(rest.beta_rad.as_ref().expect("angles"), &sorted) < 1e-3);
             assert!(near, "{speed} {sorted:?}");
             let (beta, fastest) = later::<2>(&machine, &start, 10.0 * time);
             assert!(apart(&beta, &position) < 1e-3 && fastest < 1e-9, "{speed} {beta:?} {fastest}");
@@ -178,7 +178,7 @@ fn slow_creep_is_not_settled() {
         let unstable = equilibria(&viscous(-216.3772, 2, 1.0));
         let unstable = unstable.iter().filter(|rest| rest.stability == Stability::Unstable);
         for rest in unstable {
-            let beta = [0, 1].map(|ball| rest.beta_rad.as_ref().unwrap()[ball]);
+            let beta = [0, 1].map(|ball| rest.beta_rad.as_ref().expect("angles")[ball]);
             let outcome = run_finely(machine.clone(), &resting(&machine, beta), end);
             assert_eq!(outcome.evidence.name(), "end_time", "{smoothing_speed} {rest:?}");
         }

@@ -1,6 +1,6 @@
 //! Systems in files end as the systems of Rust programs, and as publications say.
 
-use stickslip::classification::{Label, Outcome, simulate};
+use stickslip::classification::{Label, Outcome, found_endings, simulate};
 use stickslip::model::{Case, Machine, Simulation};
 use stickslip::study::Study;
 
@@ -43,6 +43,8 @@ fn a_damped_pendulum_comes_to_rest() {
                      initial_conditions: {design: {latin_hypercube: {samples: 8}}}\nsimulation: {end_time_s: 200}\n";
         let study = Study::parse(&folder.path().join("a.yaml"), study.to_owned()).expect("valid");
         for case in cases_of(&study) {
+            // A report says that a longer simulation finds more rests.
+            assert!(found_endings(&case.model).rests);
             let outcome = simulate(&case);
             assert_eq!(outcome.label(), label, "{outcome:?}");
             if label == Label::Equilibrium {

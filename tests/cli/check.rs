@@ -43,7 +43,7 @@ fn checked(scratch: &Scratch, model: &str, rest: &str) -> Value {
 
 fn kinds(report: &Value) -> Vec<String> {
     let warnings = report["warnings"].as_array().unwrap();
-    warnings.iter().map(|warning| warning["kind"].as_str().unwrap().to_owned()).collect()
+    warnings.iter().map(|warning| warning["kind"].as_str().expect("a text").to_owned()).collect()
 }
 
 /// Changes of the machine, the kinds of all warnings, and key, line and remedy of the first one.
@@ -389,7 +389,7 @@ fn the_machine_has_its_defaults_marked() {
     let report = report(&scratch, "a.yaml");
     let entry = |name: &str| {
         let machine = report["machine"].as_array().unwrap();
-        machine.iter().find(|row| row["name"] == json!(name)).unwrap().clone()
+        machine.iter().find(|row| row["name"] == json!(name)).expect("a row of this name").clone()
     };
     assert_eq!(
         entry("table_mass_kg"),
@@ -410,7 +410,8 @@ fn the_base_value_of_a_swept_parameter_counts_where_a_block_uses_it() {
     let report = report(&scratch, "a.yaml");
     let swept = |name: &str| {
         let machine = report["machine"].as_array().unwrap();
-        machine.iter().find(|row| row["name"] == json!(name)).unwrap()["swept"].clone()
+        machine.iter().find(|row| row["name"] == json!(name)).expect("a row of this name")["swept"]
+            .clone()
     };
     assert_eq!(swept("friction_coefficient"), json!({"values": 3, "from": 1.0e-3, "to": 2.75e-3}));
     assert_eq!(swept("speed_rad_s"), json!({"values": 2, "from": -216.4, "to": -200.0}));

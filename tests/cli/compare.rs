@@ -17,7 +17,7 @@ fn study(name: &str, seed: u64, parameters: &str, speeds: &str) -> String {
 
 fn quantity<'a>(point: &'a Value, name: &str) -> &'a Value {
     let all = point["quantities"].as_array().unwrap();
-    all.iter().find(|quantity| quantity["name"] == name).unwrap()
+    all.iter().find(|quantity| quantity["name"] == name).expect("a quantity of this name")
 }
 
 /// With the same start states, the interval of the difference of means is that of the paired differences; with other ones,
@@ -39,7 +39,10 @@ fn common_start_states_make_differences_precise() {
     assert_eq!(point["same_start_states"], true);
     let amplitudes = |name: &str, from: usize| {
         let all = numbers(&scratch.table(name, "runs"), "amplitude_m");
-        all[from..from + 40].iter().map(|metres| metres.unwrap()).collect::<Vec<f64>>()
+        all[from..from + 40]
+            .iter()
+            .map(|metres| metres.expect("an amplitude"))
+            .collect::<Vec<f64>>()
     };
     let (first, other) = (amplitudes("a", 40), amplitudes("b", 0));
     let differences: Vec<f64> = first.iter().zip(&other).map(|(a, b)| b - a).collect();

@@ -23,7 +23,7 @@ fn other_forms_of_a_table_are_read() {
         ("speed_rad_s", Arc::new(Float64Array::from_iter_values(speeds))),
     ];
     let batch = RecordBatch::try_from_iter(columns).unwrap();
-    let file = fs::File::create(scratch.path("pandas.parquet")).unwrap();
+    let file = fs::File::create(scratch.path("pandas.parquet")).expect("a new file");
     let mut writer = ArrowWriter::try_new(file, batch.schema(), None).unwrap();
     writer.write(&batch).unwrap();
     writer.close().unwrap();

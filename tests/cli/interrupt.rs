@@ -69,12 +69,14 @@ fn ctrl_c_and_termination_keep_what_is_finished() {
         let scratch = Scratch::new();
         scratch.write("long.yaml", long());
         // About one chunk per round of workers: interruptions within a chunk and between chunks.
-        let child =
-            scratch.command("run long.yaml --out out --threads 2 --chunk 64").spawn().unwrap();
+        let child = scratch
+            .command("run long.yaml --out out --threads 2 --chunk 64")
+            .spawn()
+            .expect("starts");
         wait_until("the program catches signals", || catches(&child, number));
         wait_until("some runs are finished", || ticks(&child) >= 50);
         send(&child, signal);
-        let ended = Ended::of(child.wait_with_output().unwrap());
+        let ended = Ended::of(child.wait_with_output().expect("ends"));
         assert_eq!(ended.code, Some(130), "{}", ended.err);
 
         let table = scratch.table("out", "runs");
@@ -103,13 +105,13 @@ fn ctrl_c_and_termination_keep_what_is_finished() {
         let study = parse(long());
         let records: Vec<RunRecord> =
             ids.par_iter().map(|&run_id| compute(&study, run_id, simulate)).collect();
-        let expected = batch(&run_columns(&study), &records).unwrap();
+        let expected = batch(&run_columns(&study), &records).expect("columns");
         for place in 0..finished {
             let (found, expected) = (rows(&table, vec![place]), rows(&expected, vec![place]));
             let columns = found.columns().iter().zip(expected.columns());
             for ((found, expected), field) in columns.zip(table.schema().fields()) {
                 let text = |array: &Arc<dyn arrow::array::Array>| {
-                    arrow::util::display::array_value_to_string(array, 0).unwrap()
+                    arrow::util::display::array_value_to_string(array, 0).expect("a text")
                 };
                 assert_eq!(
                     text(found),

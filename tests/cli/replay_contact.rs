@@ -115,7 +115,7 @@ fn tables_text_and_animation_have_the_touches() {
     assert_eq!(whole["gaps"], serde_json::json!([[0, 1], [1, 0]]));
     let frames = whole["x"].as_array().unwrap().len();
     let touching = whole["touching"].as_array().unwrap();
-    assert!(touching.iter().all(|pair| pair.as_str().unwrap().len() == frames));
+    assert!(touching.iter().all(|pair| pair.as_str().expect("a text").len() == frames));
     let impacts = |data: &Value| data["impacts"].as_array().unwrap().len() as u64;
     assert_eq!(impacts(&whole), counts(&scratch.table("a", "runs"), "impacts")[0]);
     assert!((1..impacts(&whole)).contains(&impacts(&data("part"))));

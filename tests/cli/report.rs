@@ -102,7 +102,8 @@ fn failures_and_flips_are_in_plain_sight() {
     assert_has(&text, &[format!("Failed runs are not shown: {failed} of 20 at speed")]);
     assert_has(&text, &["is the median over the runs; each run has its own ball mass."]);
     let data = data(&text);
-    let curve = figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"].as_str().unwrap();
+    let curve =
+        figure(&data, "time-to-rest")["panels"][0]["layers"][0]["name"].as_str().expect("a name");
     assert!(curve.ends_with(&format!("({failed} failed)")), "{curve}");
 }
 

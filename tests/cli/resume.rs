@@ -152,7 +152,7 @@ fn a_run_of_another_case_is_not_taken() {
     let [ours, other] = ["out", "other"].map(|directory| scratch.chunks(directory));
     // The other study's runs with our study's hash in front.
     let mut bytes = fs::read(other.join("000000.chunk")).unwrap();
-    let right = fs::read(ours.join("000000.chunk")).unwrap();
+    let right = fs::read(ours.join("000000.chunk")).expect("a chunk");
     bytes[..88].copy_from_slice(&right[..88]);
     fs::write(ours.join("000000.chunk"), &bytes).unwrap();
     let list = fs::read_to_string(ours.join("manifest.jsonl")).unwrap();

@@ -70,15 +70,20 @@ fn the_table_is_the_one_that_run_prints() {
     let columns = ["amplitude_p50_m", "amplitude_p95_m", "amplitude_without_balls_m"];
     for (point, line) in printed.lines().skip(2).take(3).enumerate() {
         // The number of the point and three swept parameters precede them.
-        let cells: Vec<f64> =
-            line.split_whitespace().skip(4).take(3).map(|cell| cell.parse().unwrap()).collect();
+        let cells: Vec<f64> = line
+            .split_whitespace()
+            .skip(4)
+            .take(3)
+            .map(|cell| cell.parse().expect("a number"))
+            .collect();
         for (name, cell) in columns.iter().zip(cells) {
-            let value = 1e6 * numbers(&points, name)[point].unwrap();
+            let value = 1e6 * numbers(&points, name)[point].expect("a value");
             assert!((cell / value - 1.0).abs() < 0.01, "{name}: {cell} and {value}\n{printed}");
         }
     }
     let worse = numbers(&points, "worse_than_without_balls_fraction");
-    let mostly = |holds: fn(f64) -> bool| worse.iter().filter(|part| holds(part.unwrap())).count();
+    let mostly =
+        |holds: fn(f64) -> bool| worse.iter().filter(|part| holds(part.expect("a value"))).count();
     let said = match (mostly(|part| part > 0.5), mostly(|part| part < 0.5)) {
         (0, 3) => "At all 3 points most runs vibrate less than ".to_owned(),
         (0, _) => "At none of the 3 points ".to_owned(),

@@ -13,7 +13,7 @@ const RUN_HEAD: usize = 8 + 16 + 4;
 /// Returns a chunk with three runs, as the program writes it.
 fn three_runs() -> Vec<u8> {
     let scratch = Scratch::ran(study_text("a", "{monte_carlo: {samples: 3}}", AT_ONCE, ""));
-    fs::read(scratch.chunks("out").join("000000.chunk")).unwrap()
+    fs::read(scratch.chunks("out").join("000000.chunk")).expect("a chunk")
 }
 
 /// Returns the offsets at which the header and each run end.

@@ -59,8 +59,9 @@ fn links_below_are_not_written_through() {
             let edited = study().replace("samples: 3200", "samples: 41");
             scratch.write("edited.yaml", edited);
             fs::remove_file(scratch.path("out/runs.parquet")).unwrap();
-            let folder = chunks(&scratch.path("out")).unwrap();
-            let name = name.replace("OWN", folder.file_name().unwrap().to_str().unwrap());
+            let folder = chunks(&scratch.path("out")).expect("a folder");
+            let name =
+                name.replace("OWN", folder.file_name().expect("a name").to_str().expect("ASCII"));
             let path = scratch.path("out").join(&name);
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             // The contents are moved to the link's target, so that nothing is missing.
@@ -85,7 +86,7 @@ fn links_below_are_not_written_through() {
 fn links_are_not_read_through() {
     let scratch = complete();
     let before = scratch.data("out");
-    let chunk = chunks(&scratch.path("out")).unwrap().join("000000.chunk");
+    let chunk = chunks(&scratch.path("out")).expect("a folder").join("000000.chunk");
     for path in [chunk, scratch.path("out/runs.parquet")] {
         fs::rename(&path, scratch.path("elsewhere")).unwrap();
         symlink(scratch.path("elsewhere"), &path).unwrap();
@@ -193,7 +194,7 @@ fn removed_chunks_are_reported() {
 
     let scratch = Scratch::new();
     halfway(&scratch);
-    let folder = chunks(&scratch.path("out")).unwrap();
+    let folder = chunks(&scratch.path("out")).expect("a folder");
     fs::write(folder.join("000003.chunk.damaged"), "put aside before").unwrap();
     fs::write(folder.join("000003.chunk"), "damaged").unwrap();
     scratch.well("resume out");

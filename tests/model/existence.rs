@@ -77,7 +77,7 @@ fn least_corner<const N: usize>(balancer: &Balancer<N>, beta: &[f64; N]) -> (f64
         (matrix.determinant() / matrix.diagonal().product(), corner)
     };
     let all = corners(N).into_iter().map(minor);
-    all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).expect("several positions")
 }
 
 /// Returns all solutions of the decision for given `q` and `n`, in which a ball without normal

@@ -108,9 +108,9 @@ fn times_multiplies_what_is_set() {
     }
     let varied =
         study(&format!("{text}{times}design: {{speed_rad_s: {{from: -300, to: -100}}}}\n"));
-    let base = varied.model().ball_balancer().unwrap().speed_rad_s;
+    let base = varied.model().ball_balancer().expect("a balancer").speed_rad_s;
     assert_eq!(varied.planned_run(7).uncertain, [base * plain[7]]);
-    let set = varied.set(&[DesignValue::Number(-250.0)]).unwrap();
+    let set = varied.set(&[DesignValue::Number(-250.0)]).expect("one variable");
     assert_eq!(set.planned_run(7).uncertain, [-250.0 * plain[7]]);
     assert_eq!(study(&varied.resolved_yaml()).hash(), varied.hash());
 }

@@ -339,7 +339,7 @@ fn columns_may_have_units() {
     let units = study("speed_rad_s [rad/s],ball_mass [g]\n-100,0.11\n-200,0.13\n").unwrap();
     assert_eq!(swept(units), swept(plain));
     let inline = "{columns: [\"speed [rpm]\"], rows: [[-3000], [-6000]]}";
-    let (first, _) = swept(Study::parse(Path::new("a.yaml"), text(inline)).unwrap());
+    let (first, _) = swept(Study::parse(Path::new("a.yaml"), text(inline)).expect("valid"));
     let ParameterValue::Number(speed) = first[0] else { panic!("a number") };
     assert!((speed + 100.0 * std::f64::consts::PI).abs() < 1e-12);
     for (header, parts) in [

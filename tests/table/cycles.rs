@@ -187,8 +187,8 @@ fn constructed_cycles_of_balls_are_written() {
     assert_eq!((value("period_low_s"), value("period_high_s")), (low, high));
     let median = periods[periods.len() / 2];
     assert!((value("period_s") - median).abs() < 0.01 * (high - low));
-    let angle = |outcome: &Outcome| outcome.position.as_ref().unwrap()[0];
-    let widest = runs.iter().max_by(|a, b| angle(a).total_cmp(&angle(b))).unwrap();
+    let angle = |outcome: &Outcome| outcome.position.as_ref().expect("a position")[0];
+    let widest = runs.iter().max_by(|a, b| angle(a).total_cmp(&angle(b))).expect("some runs");
     let multipliers = column(&cycles, "multipliers").as_list::<i32>().value(0);
     let multipliers = multipliers.as_primitive::<Float64Type>().values().to_vec();
     assert_eq!(multipliers, widest.evidence.cycle().expect("a cycle").multipliers);

@@ -55,13 +55,13 @@ fn what_is_computed_is_what_is_written() {
 
         // Damage is reported, or affects a value that is still valid; it never causes a panic.
         let file = scratch.path("out/runs.parquet");
-        let whole = fs::read(&file).unwrap();
+        let whole = fs::read(&file).expect("a table");
         let table = open("runs");
         let mut refused = 0;
         for place in (0..whole.len()).step_by(whole.len() / 40) {
             let mut damaged = whole.clone();
             damaged[place] ^= 0x55;
-            fs::write(&file, damaged).unwrap();
+            fs::write(&file, damaged).expect("writes");
             match table.in_memory() {
                 Ok(read) => assert_eq!(read.rows(), tables[0].rows()),
                 Err(error) => {

@@ -139,9 +139,9 @@ fn two_that_write_the_same_table() {
             let scratch = tempdir().unwrap();
             let path = scratch.path().join("t.parquet");
             let (earlier, later) = (begin(&path, 10, 0..first), begin(&path, 10, 0..last));
-            earlier.finish().unwrap();
+            earlier.finish().expect("finishes");
             assert_eq!(read(&path).len() as u64, first);
-            later.finish().unwrap();
+            later.finish().expect("finishes");
             assert_eq!(read(&path).len() as u64, last);
             assert_eq!(entries(scratch.path()), 1, "only the table");
         }
