@@ -28,9 +28,9 @@ Examples:
 Computes the run again with the same engine and compares it with its stored row: all columns, to the \
 last bit. If they differ, for example on another kind of processor, it prints the differences and ends with exit \
 code 1. Writes trajectory.parquet (angle and speed of table and balls, phase, friction and friction limit of \
-each ball), switches.parquet (each change between stick and slip) and replay.html (an animation for any browser); for \
-balls with contact also the gaps between them, and touches.parquet (each impact, and each end of lasting contact); for a \
-disc that starts or a table that is kicked also the speed of the disc. \
+each ball), switches.parquet (each change between stick and slip) and replay.html (an animation for any browser, also \
+of a system file with the key `draw`); for balls with contact also the gaps between them, and touches.parquet (each \
+impact, and each end of lasting contact); for a disc that starts or a table that is kicked also the speed of the disc. \
 Prints all changes between stick and slip, and all impacts, to a pipe or a file; a terminal shows a summary and the first \
 of them. The Python package's `stickslip-figures` draws figures for papers from these tables.";
 
@@ -135,8 +135,11 @@ impl ReplayReport<'_> {
             let (rows, asked) = (recording.samples.len(), times.len());
             say(&format!("{rows} of {asked} times; the other times are after the end of the run"));
         }
-        if model.kind().offers.animation && !files.contains(&ANIMATION) {
-            say("no animation: nothing moves in this interval");
+        if !files.contains(&ANIMATION) {
+            say(match model.drawing(&record.planned.start) {
+                Some(_) => "no animation: nothing moves in this interval",
+                None => "no animation: the system file has no pictures under its key `draw`",
+            });
         }
         say(&format!("motion in {}", out.display()));
     }

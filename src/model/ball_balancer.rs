@@ -14,7 +14,7 @@ pub static BALL_BALANCER: ModelKind = ModelKind {
     parameters: &PARAMETERS,
     body: "ball",
     sliding_speed: SlidingSpeed::RadS,
-    offers: Capabilities { vibration: true, equilibrium_set: true, animation: true },
+    offers: Capabilities { vibration: true, equilibrium_set: true },
     default: DefaultModel::BallBalancer(|| Machine {
         balls: vec![Ball::default()],
         ..Machine::default()

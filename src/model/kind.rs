@@ -6,9 +6,9 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::{
-    Components, Coordinate, DerivedQuantity, FrictionLaw, InvalidParameter, Machine, OutputName,
-    ParameterDescriptor, SlidingSpeed, SmallMotionEquations, SpeedProfile, SpeedSegment, System,
-    Units,
+    Components, Coordinate, DerivedQuantity, Drawing, FrictionLaw, InvalidParameter, Machine,
+    OutputName, ParameterDescriptor, SlidingSpeed, SmallMotionEquations, SpeedProfile,
+    SpeedSegment, System, Units,
 };
 
 /// A kind of model.
@@ -44,14 +44,11 @@ pub struct Capabilities {
     pub vibration: bool,
     /// Equilibrium sets and equilibria without friction, by closed forms.
     pub equilibrium_set: bool,
-    /// Animations of runs.
-    pub animation: bool,
 }
 
 impl Capabilities {
     /// Nothing beside the motion.
-    pub const MOTION: Self =
-        Capabilities { vibration: false, equilibrium_set: false, animation: false };
+    pub const MOTION: Self = Capabilities { vibration: false, equilibrium_set: false };
 }
 
 impl ModelKind {
@@ -111,6 +108,11 @@ pub trait OwnKind: Sync {
     /// Returns the names of the outputs, in the order of [`Units::outputs`].
     fn output_names(&self, _model: &OwnModel) -> Vec<OutputName> {
         Vec::new()
+    }
+
+    /// Returns the pictures of the machine for an animation; by default, none.
+    fn drawing(&self, _model: &OwnModel) -> Option<Drawing> {
+        None
     }
 
     /// Returns quantities that follow from the parameters alone.

@@ -29,6 +29,7 @@ mod certificate;
 mod contact_mode;
 mod coordinate;
 mod disc_motion;
+mod drawing;
 mod driven;
 mod dual;
 mod equations;
@@ -74,6 +75,7 @@ pub use certificate::{certified, certified_by_closed_form};
 pub use contact_mode::{ContactMode, add_contact_inputs, add_mechanism_inputs, record_contact};
 pub use coordinate::{Coordinate, Start};
 pub use disc_motion::DiscMotion;
+pub use drawing::{Drawing, DrawnForm, DrawnFrame, DrawnQuantity, DrawnShape, DrawnView};
 pub use dual::Dual;
 pub use equations::Forces;
 pub use existence::{ExistenceVerdict, SAFE_FRICTION};
@@ -116,6 +118,6 @@ pub use system::{
 pub use written::{
     COEFFICIENT, FaultAt, Formula, FormulaFault, IndexedName, LONGEST_FORMULA, SystemDefinition,
     WHOLE, WRITTEN, WrittenContact, WrittenCoordinate, WrittenDerived, WrittenFriction,
-    WrittenNormal, WrittenOutput, WrittenParameter, WrittenTurning, WrittenUnit, law_key,
-    written_kind, written_kind_named,
+    WrittenNormal, WrittenOutput, WrittenParameter, WrittenShape, WrittenTurning, WrittenUnit,
+    WrittenView, law_key, written_kind, written_kind_named,
 };

@@ -6,8 +6,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    BALL_BALANCER, Components, Coordinate, DefaultModel, FrictionLaw, InvalidParameter, Machine,
-    ModelKind, NaturalFrequencies, OwnModel, SPEED_TERMS, Start, System, Units,
+    BALL_BALANCER, Components, Coordinate, DefaultModel, Drawing, FrictionLaw, InvalidParameter,
+    Machine, ModelKind, NaturalFrequencies, OwnModel, SPEED_TERMS, Start, System, Units,
 };
 
 impl ModelKind {
@@ -109,6 +109,16 @@ impl Model {
     pub fn gaps(&self, start: &Start) -> Option<Vec<[usize; 2]>> {
         let system = self.system_for(start)?;
         Some(system.touching()?.gaps().iter().map(|gap| gap.contacts).collect())
+    }
+
+    /// Returns the pictures of the machine for an animation of a run from this state; `None` for a model without pictures.
+    pub fn drawing(&self, start: &Start) -> Option<Drawing> {
+        match self {
+            Model::BallBalancer(machine) => {
+                Some(machine.drawing(&self.gaps(start).unwrap_or_default()))
+            }
+            Model::Own(model) => model.own().drawing(model),
+        }
     }
 
     pub(super) fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {

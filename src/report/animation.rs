@@ -1,14 +1,15 @@
-//! `replay.html`: an animation of disc, ring and balls in one file that needs no network.
+//! `replay.html`: an animation of a machine in one file that needs no network.
 
+use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::classification::{
     Evidence, Instants, MotionSample, RecordedRun, RunRecorder, simulate_recorded,
 };
 use crate::engine::{CommandError, MOST_INSTANTS};
-use crate::model::{Machine, Model, SPEED_TERMS};
+use crate::model::{Drawing, DrawnForm, DrawnFrame, DrawnQuantity, DrawnShape, DrawnView, Model};
 use crate::motion::Phase;
 use crate::study::Study;
 use crate::table::{FileList, ResultsError, RunRecord};
@@ -16,17 +17,20 @@ use crate::table::{FileList, ResultsError, RunRecord};
 /// Name of the animation's file.
 pub const ANIMATION: &str = "replay.html";
 
-/// Markup, style and script of the page, with marks for title and data.
+/// Markup, style and script of the page, with marks for title, data and formulas.
 const PAGE: &str = include_str!("animation.html");
 const DATA: &str = "/*data*/null";
+const FORMULAS: &str = "/*formulas*/null";
 const TITLE: &str = "<!--title-->";
 
-/// Frames per turn of the disc.
+/// Frames per turn of the part that turns, or per period of the machine.
 const FRAMES_PER_TURN: f64 = 24.0;
 const FRAMES: (f64, f64) = (200.0, 20_000.0);
+/// The largest number of values in all frames.
+const MOST_VALUES: f64 = 400_000.0;
 
 /// Writes an animation of a run, or of an interval of it, s. Returns `false` without a file if the model has no
-/// balls or if the run did not start.
+/// pictures or if the run did not start.
 pub fn animate(
     out: &Path,
     list: &mut FileList,
@@ -43,11 +47,7 @@ pub fn animate(
     if matches!(outcome.evidence, Evidence::Panic(_)) || from >= to {
         return Ok(false);
     }
-    let (Some(machine), Some(frames)) =
-        (case.model.ball_balancer(), frames(&case.model, to - from))
-    else {
-        return Ok(false);
-    };
+    let Some(drawing) = case.model.drawing(&case.start) else { return Ok(false) };
     let title = format!(
         "{}, run {}: {} ({}) at {}",
         study.name(),
@@ -56,96 +56,181 @@ pub fn animate(
         outcome.evidence.name(),
         time_text(end),
     );
-    let natural = case.model.natural_frequency_rad_s();
-    let last = f64::from(frames - 1);
+    let frames = frames(&case.model, &drawing, to - from);
+    let (natural, last) = (case.model.units().natural_rad_s, f64::from(frames - 1));
     let time = |frame: u32| natural * (from + (to - from) * (f64::from(frame) / last));
     let mut recorder =
         RunRecorder::new(Instants::At((0..frames).map(time).collect()), MOST_INSTANTS);
     simulate_recorded(case, &mut recorder);
-    let page = animation(machine, &recorder.finish(), &title);
+    let page = animation((&case.model, &drawing), &recorder.finish(), &title);
     list.write_once(out, ANIMATION, page.as_bytes())
         .map_err(ResultsError::unusable(&out.join(ANIMATION)))?;
     Ok(true)
 }
 
-/// Returns the number of frames of a motion of this length; `None` for a model without balls.
-pub fn frames(model: &Model, seconds: f64) -> Option<u32> {
-    let machine = model.ball_balancer()?;
-    let rate = machine.disc_motion().fastest_rad_s() + machine.natural_frequency_rad_s();
-    let frames = seconds * rate / std::f64::consts::TAU * FRAMES_PER_TURN;
-    Some(frames.clamp(FRAMES.0, FRAMES.1) as u32)
+/// Returns the number of frames of a motion of this length.
+pub fn frames(model: &Model, drawing: &Drawing, seconds: f64) -> u32 {
+    let turning = model.disc_motion().map_or(0.0, |disc| disc.fastest_rad_s());
+    let rate = turning + model.units().natural_rad_s;
+    let frames = seconds * rate / TAU * FRAMES_PER_TURN;
+    let most = FRAMES.1.min(MOST_VALUES / drawing.quantities.len().max(1) as f64);
+    frames.clamp(FRAMES.0, most) as u32
 }
 
-/// Returns the animation of a balancer from equally spaced samples, with the touches between them; `title` is the
+/// Returns the animation of a machine from equally spaced samples, with the touches between them; `title` is the
 /// heading.
-pub fn animation(machine: &Machine, recording: &RecordedRun, title: &str) -> String {
+pub fn animation(
+    (model, drawing): (&Model, &Drawing),
+    recording: &RecordedRun,
+    title: &str,
+) -> String {
     let samples = &recording.samples;
-    let model = Model::from(machine.clone());
     let units = model.units();
-    let rounded = |value: f64, digits: i32| {
-        let scale = 10.0_f64.powi(digits);
-        (value * scale).round() / scale
-    };
-    let balls = machine.balls.len();
-    let of_table = |axis: usize| -> Vec<f64> {
-        // Rounded to 1e-5 of the ring's radius, far below a screen pixel.
-        samples.iter().map(|sample| rounded(sample.table.map_or(0.0, |t| t[axis]), 6)).collect()
-    };
-    let angles: Vec<Vec<f64>> = (0..balls)
-        .map(|ball| {
-            samples.iter().map(|sample| rounded(sample.contacts[ball].position, 4)).collect()
-        })
-        .collect();
-    // One character per sample, whether something holds.
-    let flags = |holds: &dyn Fn(&MotionSample) -> bool| -> String {
-        samples.iter().map(|sample| if holds(sample) { '1' } else { '0' }).collect()
-    };
-    let stick = |ball: usize| flags(&|sample| sample.contacts[ball].phase == Phase::Stick);
-    let sticks: Vec<String> = (0..balls).map(stick).collect();
-    // Balls that may touch, and for each such pair whether they do.
-    let gaps = samples.first().map_or(&[][..], |sample| &sample.gaps[..]);
-    let closed = |gap: usize| flags(&|sample| sample.gaps[gap].phase == Phase::Closed);
-    let touching: Vec<String> = (0..gaps.len()).map(closed).collect();
     let [begin, end] = [samples.first(), samples.last()]
         .map(|sample| sample.map_or(0.0, |sample| units.seconds(sample.time)));
-    // The times of the impacts in the picture, counted from its first one, with the balls.
-    let impacts = recording.touches.iter().filter(|touch| touch.is_impact());
-    let impacts = impacts.map(|touch| (units.seconds(touch.time) - begin, touch.after.contacts));
-    let impacts: Vec<(f64, [usize; 2])> =
-        impacts.filter(|(time, _)| (0.0..=end - begin).contains(time)).collect();
+    let values = samples.iter().map(|sample| values(model, sample)).collect::<Vec<_>>();
+    let quantities = drawing.quantities.iter().enumerate();
+    let quantities = quantities.map(|(number, DrawnQuantity { name, angular, enlarged, .. })| {
+        let values = values.iter().map(|values| values[number]).collect();
+        let values = if *angular { unwrapped(values) } else { rounded(values) };
+        json!({"name": name, "enlarged": enlarged, "values": values})
+    });
     let mut data = json!({
         "from_s": begin,
         "seconds": end - begin,
-        "disc_rad_s": machine.speed_rad_s,
-        "ball_over_ring": machine.balls.iter()
-            .map(|ball| ball.diameter_m / machine.ring_radius_m).collect::<Vec<f64>>(),
-        "radius_mm": rounded(1e3 * machine.ring_radius_m, 6),
-        "x": of_table(0),
-        "y": of_table(1),
-        "angles": angles,
-        "sticks": sticks,
+        "frames": samples.len(),
+        "quantities": quantities.collect::<Vec<Value>>(),
+        "contacts": contacts((model, drawing), recording, [begin, end]),
+        "views": drawing.views.iter().map(view).collect::<Vec<Value>>(),
+        "plots": drawing.plots.iter().map(|[name, _]| name).collect::<Vec<_>>(),
+        "note": drawing.note,
     });
-    if machine.contact.is_some() {
-        data["gaps"] = json!(gaps.iter().map(|gap| gap.contacts).collect::<Vec<_>>());
-        data["touching"] = json!(touching);
-        data["impacts"] = json!(impacts);
+    if let Some(disc) = model.disc_motion() {
+        // The begin of each segment of the speed, the angle turned before, and the coefficients of the speed as a polynomial of
+        // the time since the begin.
+        let segments = disc.segments.iter();
+        let segments = segments
+            .map(|(segment, turned)| (segment.begins_s, *turned, segment.terms))
+            .collect::<Vec<_>>();
+        data["disc"] = json!(segments);
     }
     if model.has_stages() {
-        data["disc"] = json!(disc(machine));
-        data["kicks"] = json!(machine.kicks.iter().map(|kick| kick.at_s).collect::<Vec<f64>>());
+        let kicks = model.ball_balancer().map_or(&[][..], |machine| &machine.kicks);
+        data["kicks"] = json!(kicks.iter().map(|kick| kick.at_s).collect::<Vec<f64>>());
         data["last_stage_s"] = model.last_stage_begins_s().into();
     }
     let escaped = title.replace('&', "&amp;").replace('<', "&lt;");
-    // The data are numbers, which cannot end the script element.
-    PAGE.replace(TITLE, &escaped).replacen(DATA, &data.to_string(), 1)
+    let lists = |texts: Vec<String>| format!("[{}]", texts.join(","));
+    let shapes = drawing.views.iter().map(|DrawnView { shapes, .. }| {
+        lists(shapes.iter().map(|shape| lists(shape.values.clone())).collect())
+    });
+    let plots = drawing.plots.iter().map(|[_, formula]| formula.clone());
+    let formulas =
+        format!("[{},{}]", lists(shapes.collect()), lists(plots.collect::<Vec<String>>()));
+    // The data are numbers and names, which do not end the script element.
+    PAGE.replace(TITLE, &escaped)
+        .replacen(DATA, &data.to_string().replace('<', "\\u003c"), 1)
+        .replacen(FORMULAS, &format!("(q, turned, t) => {formulas}"), 1)
 }
 
-/// Returns the segments of the speed of the disc: the begin of each, the angle turned before, and the coefficients of the
-/// speed as a polynomial of the time since the begin.
-fn disc(machine: &Machine) -> Vec<(f64, f64, [f64; SPEED_TERMS])> {
-    let disc = machine.disc_motion();
-    let segments = disc.segments.iter();
-    segments.map(|(segment, turned)| (segment.begins_s, *turned, segment.terms)).collect()
+/// Returns the drawn quantities in SI units.
+fn values(model: &Model, sample: &MotionSample) -> Vec<f64> {
+    let units = model.units();
+    match sample.table {
+        Some([x, y, ..]) if model.ball_balancer().is_some() => {
+            let angles = sample.contacts.iter().map(|contact| contact.position);
+            [x, y].map(|value| value * units.length_m).into_iter().chain(angles).collect()
+        }
+        _ => {
+            let outputs = sample.outputs.iter().zip(&units.outputs);
+            outputs.map(|(value, units)| value * units.size).collect()
+        }
+    }
+}
+
+/// Returns lengths or other values with six significant digits of the largest one, far below a screen pixel.
+fn rounded(values: Vec<f64>) -> Vec<f64> {
+    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let scale = 10.0_f64.powf((6.0 - largest.log10().ceil()).clamp(-300.0, 300.0));
+    values.into_iter().map(|value| (value * scale).round() / scale).collect()
+}
+
+/// Returns angles with four decimals and without jumps by whole turns.
+fn unwrapped(mut values: Vec<f64>) -> Vec<f64> {
+    let mut turns = 0.0;
+    for place in 1..values.len() {
+        let change = values[place] + turns - values[place - 1];
+        turns -= TAU * ((change + PI) / TAU).floor();
+        values[place] += turns;
+    }
+    values.into_iter().map(|value| (value * 1e4).round() / 1e4).collect()
+}
+
+fn view(DrawnView { name, frame, shapes }: &DrawnView) -> Value {
+    let frame = match frame {
+        DrawnFrame::Only => "only",
+        DrawnFrame::Fixed => "fixed",
+        DrawnFrame::Turning => "turning",
+    };
+    let shape = |DrawnShape { name, form, contact, .. }: &DrawnShape| {
+        let form = DrawnForm::ALL.iter().find(|(_, known)| known == form).map(|(name, _)| name);
+        json!({"name": name, "form": form, "contact": contact})
+    };
+    json!({"name": name, "frame": frame, "shapes": shapes.iter().map(shape).collect::<Vec<Value>>()})
+}
+
+/// Returns the contacts, and after them the gaps between contacts: their phases in each sample, a letter for each, and when they
+/// close in the picture, counted from its first instant.
+fn contacts(
+    (model, drawing): (&Model, &Drawing),
+    recording: &RecordedRun,
+    [begin, end]: [f64; 2],
+) -> Vec<Value> {
+    let RecordedRun { samples, switches, touches, .. } = recording;
+    let units = model.units();
+    let within = |time: f64| {
+        let time = units.seconds(time) - begin;
+        Some(time).filter(|time| (0.0..=end - begin).contains(time))
+    };
+    let letters = |phase: &dyn Fn(&MotionSample) -> Phase| -> String {
+        let letter = |sample| match phase(sample) {
+            Phase::Stick => 's',
+            Phase::Apart => 'a',
+            Phase::Open => 'o',
+            Phase::Closed => 'c',
+            _ => 'l',
+        };
+        samples.iter().map(letter).collect()
+    };
+    let contact = |number: usize| {
+        let closes = switches.iter().filter(|switch| {
+            switch.contact == number
+                && switch.before.phase == Phase::Apart
+                && switch.after.phase != Phase::Apart
+        });
+        let is_it = |quantity: &DrawnQuantity| quantity.angular && quantity.contact == Some(number);
+        json!({
+            "name": model.contact_in_words(number).replace('`', ""),
+            "phases": letters(&|sample| sample.contacts[number].phase),
+            "closes": closes.filter_map(|switch| within(switch.time)).collect::<Vec<f64>>(),
+            "angle": drawing.quantities.iter().position(is_it),
+        })
+    };
+    let gaps = samples.first().map_or(&[][..], |sample| &sample.gaps[..]);
+    let gap = |(number, gap): (usize, &crate::classification::GapSample)| {
+        let impacts = touches
+            .iter()
+            .filter(|touch| touch.is_impact() && touch.after.contacts == gap.contacts);
+        let [behind, ahead] = gap.contacts.map(|contact| contact + 1);
+        json!({
+            "name": format!("balls {behind} and {ahead}"),
+            "phases": letters(&|sample| sample.gaps[number].phase),
+            "closes": impacts.filter_map(|touch| within(touch.time)).collect::<Vec<f64>>(),
+            "angle": null,
+        })
+    };
+    let count = samples.first().map_or(0, |sample| sample.contacts.len());
+    (0..count).map(contact).chain(gaps.iter().enumerate().map(gap)).collect()
 }
 
 /// Returns a time, given in s, as text with its unit and four decimals.

@@ -112,11 +112,16 @@ fn tables_text_and_animation_have_the_touches() {
         serde_json::from_str(text).unwrap()
     };
     let whole = data("a-replay-0");
-    assert_eq!(whole["gaps"], serde_json::json!([[0, 1], [1, 0]]));
-    let frames = whole["x"].as_array().unwrap().len();
-    let touching = whole["touching"].as_array().unwrap();
-    assert!(touching.iter().all(|pair| pair.as_str().expect("a text").len() == frames));
-    let impacts = |data: &Value| data["impacts"].as_array().unwrap().len() as u64;
+    // Two balls, and then the gaps between them.
+    let contacts = |data: &Value| data["contacts"].as_array().expect("contacts").clone();
+    let names = contacts(&whole).into_iter().map(|contact| contact["name"].clone());
+    let expected = ["ball 1", "ball 2", "balls 1 and 2", "balls 2 and 1"];
+    assert_eq!(names.collect::<Vec<_>>(), expected);
+    let frames = whole["frames"].as_u64().expect("a number") as usize;
+    let phases = |contact: &Value| contact["phases"].as_str().expect("a text").len();
+    assert!(contacts(&whole).iter().all(|contact| phases(contact) == frames));
+    let closes = |contact: &Value| contact["closes"].as_array().expect("times").len() as u64;
+    let impacts = |data: &Value| contacts(data).iter().map(closes).sum::<u64>();
     assert_eq!(impacts(&whole), counts(&scratch.table("a", "runs"), "impacts")[0]);
     assert!((1..impacts(&whole)).contains(&impacts(&data("part"))));
 
@@ -130,5 +135,5 @@ fn tables_text_and_animation_have_the_touches() {
     assert_eq!(plain, without);
     assert!(!scratch.path("b-replay-0/touches.parquet").exists());
     let plain = data("b-replay-0");
-    assert!(plain["gaps"].is_null() && plain["impacts"].is_null() && plain["touching"].is_null());
+    assert_eq!(contacts(&plain).len(), 2);
 }

@@ -198,7 +198,7 @@ fn unsound_kinds_are_refused() {
     let of_machine = model_kinds()[0].parameters[0].field;
     let of_machine = ParameterDescriptor { field: of_machine, ..number("mass") };
     let count = ParameterDescriptor::count("blocks", "number of blocks", 3, 2);
-    let more = Capabilities { animation: true, ..Capabilities::MOTION };
+    let more = Capabilities { vibration: true, ..Capabilities::MOTION };
     let cases = [
         (kind("block_on_belt", vec![friction()]), "another kind has this name"),
         (kind("a-b", vec![friction()]), "lower-case letters"),

@@ -34,10 +34,10 @@ fn replay_of(made: &Made, keys: &str, end_time_s: u32) -> PathBuf {
 #[track_caller]
 fn places(page: &mut Page<'_>) -> Vec<[f64; 2]> {
     let places = page.ask(
-        "[...document.querySelectorAll('#balls > g')].map(ball => {
+        r#"[...document.querySelectorAll('g[data-name^="ball "]')].map(ball => {
             const box = ball.querySelector('circle').getBoundingClientRect();
             return [box.x + box.width / 2, box.y + box.height / 2];
-        })",
+        })"#,
     );
     serde_json::from_value(places).unwrap()
 }
@@ -86,13 +86,13 @@ fn a_replay_is_accessible() {
     for (role, name) in [
         ("RootWebArea", title.as_str()),
         ("heading", &title),
-        ("image", "Disc with ring, imbalance and balls, seen from above"),
+        ("image", "Machine"),
         ("button", "Play"),
         ("slider", "Time"),
         ("combobox", "Speed"),
         ("combobox", "View"),
-        ("combobox", "Table's displacement ×"),
-        ("list", "Balls"),
+        ("combobox", "Small motions ×"),
+        ("list", "Contacts"),
     ] {
         let there = parts.iter().any(|part| part.role == role && part.name == name);
         assert!(there, "no {role} {name:?} in {parts:?}");
@@ -135,7 +135,7 @@ fn balls_move_by_button_keys_and_slider() {
     // A frame forward and back, a hundred, the start and the end.
     page.key("Home");
     assert_eq!((page.number("time"), places(&mut page)), (0.0, start.clone()));
-    let frame = page.number("data.seconds / (data.x.length - 1)");
+    let frame = page.number("data.seconds / (data.frames - 1)");
     for (key, frames) in [
         ("ArrowRight", 1.0),
         ("ArrowRight", 2.0),
@@ -156,20 +156,20 @@ fn balls_move_by_button_keys_and_slider() {
     assert_eq!(page.ask("playing"), false);
 
     // The drawing shows the data: an angle of the first ball, with the table drawn to scale.
-    page.ask("byId('magnify').value = '1'; byId('frame').value = 'disc'; go(0); null");
+    page.ask("byId('magnify').value = '1'; byId('frame').value = 'turning'; fit(); go(0); null");
     let centre = page.ask(
-        "(() => { const box = document.querySelector('#disc > circle').getBoundingClientRect();
+        "(() => { const box = document.querySelector('g[data-name=ring] circle').getBoundingClientRect();
           return [box.x + box.width / 2, box.y + box.height / 2]; })()",
     );
     let ball = places(&mut page)[0];
     let (right, up) =
         (ball[0] - centre[0].as_f64().unwrap(), centre[1].as_f64().unwrap() - ball[1]);
-    let off = up.atan2(right) - page.number("data.angles[0][0]");
+    let off = up.atan2(right) - page.number("data.quantities[2].values[0]");
     assert!(off.sin().abs() < 0.02 && off.cos() > 0.0, "{off} rad");
     // In space everything turns with the disc.
     page.ask("go(0.01); null");
     let turning = places(&mut page);
-    page.ask("byId('frame').value = 'space'; draw(); null");
+    page.ask("byId('frame').value = 'fixed'; draw(); null");
     assert!(apart(&turning, &places(&mut page)) > 10.0);
     assert_eq!(page.faults(), [""; 0]);
 }
@@ -182,9 +182,10 @@ fn a_replay_shows_contact() {
     let file = replay_of(&made, "contact: {}, parameters: {speed_rad_s: -173.1803}", 4);
     for view in [STILL, View { dark: true, ..STILL }] {
         let mut page = browser.open(&file, view);
+        page.ask("window.marks = views[0].shapes.filter(({star}) => star); null");
         let all = page.number("impacts.length");
         assert!(all > 0.0, "no impact in this run");
-        let seen = "gaps.filter(gap => gap.star.getAttribute('visibility') === 'visible').length";
+        let seen = "marks.filter(({star}) => star.getAttribute('visibility') === 'visible').length";
         assert_eq!((page.number("time"), page.number(seen)), (0.0, 0.0));
         page.click_on("#next");
         assert_eq!((page.number("time"), page.number(seen)), (page.number("impacts[0]"), 1.0));
@@ -197,27 +198,30 @@ fn a_replay_shows_contact() {
 
         // The first frame in which balls touch: the dot lies on the edges of both circles.
         page.ask(
-            "window.frame = Math.min(...data.touching.map(pair => pair.indexOf('1')).filter(place => place >= 0));
+            "window.frame = Math.min(...contacts.map(({phases}) => phases.indexOf('c')).filter(place => place >= 0));
              go(data.seconds * frame / last); null",
         );
-        assert!(page.number("frame") < page.number("data.x.length"), "no contact that lasts");
+        assert!(page.number("frame") < page.number("data.frames"), "no contact that lasts");
         let off = page.ask(
-            "(() => {
+            r#"(() => {
                 const box = shape => shape.getBoundingClientRect();
-                const gap = gaps.find(gap => gap.dot.getAttribute('visibility') === 'visible');
+                const mark = marks.find(({dot}) => dot.getAttribute('visibility') === 'visible');
                 const centre = shape => [box(shape).x + box(shape).width / 2, box(shape).y + box(shape).height / 2];
-                const dot = centre(gap.dot);
-                return [gap.behind, gap.ahead].map(ball => {
-                    const circle = balls[ball].group.querySelector('circle');
+                const dot = centre(mark.dot);
+                return [...document.querySelectorAll('g[data-name^="ball "]')].map(ball => {
+                    const circle = ball.querySelector('circle');
                     const [x, y] = centre(circle);
                     return Math.hypot(x - dot[0], y - dot[1]) / (box(circle).width / 2);
                 });
-            })()",
+            })()"#,
         );
         let off: Vec<f64> = serde_json::from_value(off).unwrap();
         assert!(off.len() == 2 && off.iter().all(|off| (off - 1.0).abs() < 0.1), "{off:?}");
         let states = page.text("document.getElementById('states').textContent");
-        assert!(states.contains("touches ball 2") && states.contains("touches ball 1"), "{states}");
+        assert!(
+            states.contains("balls 1 and 2: closed") || states.contains("balls 2 and 1: closed"),
+            "{states}"
+        );
         assert_eq!(page.ask("document.getElementById('contact').checkVisibility()"), true);
         let (pale, texts) = page.pale();
         assert!(texts > 8 && pale.is_empty(), "{texts} texts, {pale:?}");
@@ -274,10 +278,91 @@ fn a_replay_shows_the_start_of_the_disc() {
         assert_eq!((page.faults(), page.nameless()), (vec![], vec![]));
         page.screenshot(&format!("replay-start-{}", if view.dark { "dark" } else { "light" }));
     }
-    // A disc at constant speed has no plots.
+    // A disc at constant speed has no plot of the speed.
     let plain = Made::new();
     let mut page = browser.open(&replay(&plain, 2), STILL);
-    assert_eq!(page.ask("document.getElementById('plots').checkVisibility()"), false);
+    assert_eq!(page.number("document.querySelectorAll('#plots rect').length"), 1.0);
+    assert_eq!(page.ask("document.getElementById('stages').checkVisibility()"), false);
+}
+
+/// A system with pictures, whose formulas have all functions.
+const DRAWN: &str = r#"
+schema: 1
+name: a
+seed: 5
+model:
+  system:
+    system: a
+    parameters: {b: 2, n: {value: 2, most: 3}, speed: 3}
+    repeat: {k: n}
+    turning: {theta: speed}
+    coordinates:
+      x[k]: {start: 0.3, start_rate: 1, enlarged: true}
+      phi: {periodic: true, start: 1, start_rate: 9}
+    mass: {"x[k]": {"x[k]": 1}, phi: {phi: 1}}
+    force: {"x[k]": "-x[k] + cos(theta)"}
+    contacts: {"foot[k]": {normal: 1, sliding: "x[k]'", friction: {coulomb: {coefficient: 0.1}}}}
+    draw:
+      top:
+        turns: true
+        shapes:
+          rope:
+            line:
+              - ["x[1] - b * x[2] / 3", "-x[1]^2 + pi"]
+              - ["sin(phi) + cos(phi) * tan(0.5)", "exp(x[1]) - log(b)"]
+              - ["sqrt(b)^3 + tanh(x[2])", "atan(x[1]) + theta + theta' / 10"]
+              - ["sum(k, k * x[k])", "if(n > 1, 4, 5)"]
+          foot[k]: {circle: ["x[k]", k], radius: b / 8, contact: "foot[k]"}
+initial_conditions: {design: {monte_carlo: {samples: 1}}}
+simulation: {method: event, end_time_s: 2}
+"#;
+
+/// The pictures of a system file: the page computes all formulas as the program does, and enlarges small motions.
+#[test]
+fn a_replay_draws_a_system_of_a_file() {
+    let Some(mut browser) = Browser::start() else { return };
+    let made = Made::new();
+    made.write("a.yaml", DRAWN);
+    made.well("run a.yaml --out a");
+    made.well("replay a 0");
+    let mut page = browser.open(&made.path("a-replay-0/replay.html"), STILL);
+    for time in [0.0, 0.7, 2.0] {
+        let numbers = |page: &mut Page<'_>, what: &str| -> Vec<f64> {
+            serde_json::from_value(page.ask(what)).expect("numbers")
+        };
+        let q = numbers(&mut page, &format!("quantities({time}, 1)"));
+        let [x, second, phi] = q[..] else { panic!("{q:?}") };
+        let b = 2.0_f64;
+        let expected = [
+            x - b * second / 3.0,
+            -x * x + std::f64::consts::PI,
+            phi.sin() + phi.cos() * 0.5_f64.tan(),
+            x.exp() - b.ln(),
+            b.sqrt().powi(3) + second.tanh(),
+            x.atan() + 3.0 * time + 0.3,
+            x + 2.0 * second,
+            4.0,
+        ];
+        let found = numbers(&mut page, &format!("valuesAt({time}, 1)[0][0][0]"));
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        let enlarged = numbers(&mut page, &format!("valuesAt({time}, 10)[0][0][1]"));
+        assert_eq!(enlarged, [10.0 * x, 1.0, 0.25]);
+    }
+    // The balancer's angle grows by 9 rad/s without a force, also beyond whole turns.
+    let end = page.number("data.quantities[2].values.at(-1)");
+    assert!((end - 19.0).abs() < 1e-3, "{end}");
+    assert_eq!(page.number("document.querySelectorAll('.shapes > g').length"), 3.0);
+    // The view at rest is turned back by the angle of the part that turns.
+    let place = "new DOMMatrix(getComputedStyle(views[0].shapes[2].group).transform)";
+    page.ask("byId('magnify').value = '1'; byId('frame').value = 'fixed'; fit(); go(0.7); null");
+    let fixed = page.number(&format!("Math.atan2(-{place}.f, {place}.e)"));
+    page.ask("byId('frame').value = 'turning'; draw(); null");
+    let turning = page.number(&format!("Math.atan2(-{place}.f, {place}.e)"));
+    assert!((turning - fixed + 2.1).sin().abs() < 1e-5, "{fixed} {turning}");
+    assert_eq!((page.faults(), page.nameless()), (vec![], vec![]));
+    page.screenshot("replay-system");
 }
 
 #[test]

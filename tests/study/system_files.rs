@@ -62,6 +62,46 @@ fn the_good_system_is_good() {
     assert_eq!(names, ["carts", "m_kg", "k_n_m", "f_n", "mu", "v_m_s", "omega_rad_s"]);
 }
 
+/// Shapes, with what is wrong, what was found and what is allowed.
+const WRONG_SHAPES: &str = r#"{polygon: [[0, 0], [0, 0]], circle: [0, 0]} ¦ not one form ¦ 2 forms ¦ one of `circle`
+{contact: 'belt[cart]'} ¦ not one form ¦ 0 forms ¦ one of `circle`
+{square: [0, 0]} ¦ unknown key ¦ square ¦ circle
+{circle: [0, 0]} ¦ has a radius ¦ no `radius` ¦ with `radius`
+{line: [[0, 0], [0, 0]], radius: 1} ¦ has a radius ¦ of another ¦ with `radius`
+{line: [[0, 0]]} ¦ too few points ¦ 1 ¦ at least 2
+{mark: [0, 0]} ¦ without a contact ¦ no `contact` ¦ contact:
+{circle: [0, 0], radius: 1, contact: belts} ¦ not a contact ¦ belts ¦ belt
+{circle: [0, 0], radius: 1, contact: 'belt[cart + 1]'} ¦ not a contact ¦ belt ¦ belt
+{circle: [0, 0], radius: k} ¦ another quantity ¦ N/m ¦ m
+{circle: ["x[cart]' * 1", 0], radius: 1} ¦ rates of change ¦ x[cart] ¦ positions
+{circle: [y, 0], radius: 1} ¦ unknown name ¦ y ¦ x"#;
+
+/// Pictures: a shape has one form with points of positions in m, and an existing contact.
+#[test]
+fn pictures_have_shapes_of_positions() {
+    let end = "    period: 2 * pi / omega\n";
+    let with = |shape: &str| {
+        format!("    draw:\n      side:\n        shapes:\n          cart[cart]: {shape}\n{end}")
+    };
+    let good =
+        "{polygon: [['x[cart]', 0], [f / k, cart * f / k], ['x[1]', 1 mm]], contact: 'belt[cart]'}";
+    let study =
+        parse(&GOOD.replacen(end, &with(good), 1)).unwrap_or_else(|error| panic!("{error}"));
+    let drawing = study.model().drawing(&study.planned_run(0).start).expect("pictures");
+    let [first, second] = &drawing.views[0].shapes[..] else { panic!("two carts") };
+    assert_eq!([first.contact, second.contact], [Some(0), Some(1)]);
+    assert_eq!([&first.values[0], &second.values[0]], ["q[0]", "q[1]"]);
+    for [shape, problem, found, allowed] in cases(WRONG_SHAPES) {
+        refused(end, &with(&shape), 32, &problem, &found, &allowed);
+    }
+    let turns = with(good).replace("shapes:", "turns: true\n        shapes:");
+    refused(end, &turns, 31, "without a part that turns", "true", "`turning`");
+    let name = with(good).replace("side", "a-b");
+    refused(end, &name, 31, "not a name", "a-b", "letters");
+    let name = with(good).replace(" cart[cart]:", " a.b[cart]:");
+    refused(end, &name, 32, "not a name", "a.b", "letters");
+}
+
 #[test]
 fn a_derived_quantity_has_parameters_only() {
     let end = "    period: 2 * pi / omega\n";

@@ -18,6 +18,8 @@ enum Allowed {
     Constants,
     /// Positions and the time.
     Positions,
+    /// The same in a picture, which is not part of the equations.
+    InPicture,
     /// Positions and the time, and linearly on rates of change.
     LinearRates,
     /// Anything but accelerations.
@@ -41,7 +43,7 @@ impl Allowed {
                 "a formula that changes with the state or the time",
                 "parameters and numbers",
             )),
-            Allowed::Positions if found.rates > 0 => Some(rates),
+            Allowed::Positions | Allowed::InPicture if found.rates > 0 => Some(rates),
             Allowed::LinearRates if found.rates == 0 => Some((
                 "a sliding speed without a rate of change",
                 "rates of change (one prime), as in x' - v_belt",
@@ -67,6 +69,7 @@ struct CheckedFormula<'d> {
 /// `kg m²/s²`
 const ENERGY: Dimension = [WHOLE, 2 * WHOLE, -2 * WHOLE];
 const SECOND: Dimension = [0, 0, WHOLE];
+const LENGTH: Dimension = [0, WHOLE, 0];
 
 fn over(left: Dimension, right: Dimension) -> Dimension {
     [left[0] - right[0], left[1] - right[1], left[2] - right[2]]
@@ -133,7 +136,9 @@ impl SystemDefinition {
             let ends = derived.within.iter_mut().chain(&mut derived.usual).flatten();
             [&mut derived.quantity.formula].into_iter().chain(ends)
         });
-        let results = outputs.chain(derived);
+        let drawn = self.draw.iter_mut().flat_map(|view| &mut view.shapes);
+        let drawn = drawn.flat_map(|shape| &mut shape.values);
+        let results = outputs.chain(derived).chain(drawn);
         mass.chain(force).chain(starts).chain(contacts).chain(results).chain(&mut self.period)
     }
 }
@@ -170,7 +175,9 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), Faul
         if let Some((problem, allowed)) = allowed.refuses(depends) {
             return Err(at(FormulaFault::new(0, problem, formula.text.as_str(), allowed)));
         }
-        all = all.with(depends);
+        if allowed != Allowed::InPicture {
+            all = all.with(depends);
+        }
         if let Some(wanted) = dimension {
             values.require(0, found_here.measured, wanted).map_err(at)?;
         }
@@ -328,6 +335,31 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt>
         for (key, ends) in [("within", within), ("usual", usual)] {
             for (end, place) in ends.iter().flatten().zip(["[0]", "[1]"]) {
                 add(&["derived", name, key, place], end, Some(given.unwrap_or(found)));
+            }
+        }
+    }
+    for (view, shape) in
+        definition.draw.iter().flat_map(|view| view.shapes.iter().map(move |shape| (view, shape)))
+    {
+        let name = with_index(&shape.name, shape.index.as_deref());
+        let of_shape =
+            |keys: &[&str]| path(&[&["draw", &view.name, "shapes", &name], keys].concat());
+        // Without a body, a formula is checked as that of the first one.
+        let count = shape.index.as_ref().map(|index| instance.bodies.of(index).unwrap_or(0));
+        for body in 1..=count.unwrap_or(1) {
+            let body = count.map(|_| body);
+            let fault = |fault| (of_shape(&["contact"]), fault);
+            instance.contact_of(shape, body).map_err(fault)?;
+            for (number, formula) in shape.values.iter().enumerate() {
+                let keys = shape.keys_of(number);
+                let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+                all.push(CheckedFormula {
+                    path: of_shape(&keys),
+                    formula,
+                    allowed: Allowed::InPicture,
+                    dimension: Some(LENGTH),
+                    bodies: instance.bound(shape.index.as_deref(), body),
+                });
             }
         }
     }

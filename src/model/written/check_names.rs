@@ -10,6 +10,8 @@ use crate::model::FRICTION_COEFFICIENT;
 const MOST_MEMBERS: usize = 64;
 const MOST_PARAMETERS: usize = 500;
 const MOST_INDICES: usize = 8;
+/// The largest number of formulas in all pictures, with each body counted.
+const MOST_DRAWN: usize = 4000;
 
 /// Columns of tables without a unit, which a parameter without a unit must not have as its name.
 const COLUMNS: [&str; 30] = [
@@ -75,6 +77,8 @@ impl SystemDefinition {
         let coordinates: usize = self.coordinates.iter().map(|member| most(&member.index)).sum();
         let contacts: usize = self.contacts.iter().map(|member| most(&member.index)).sum();
         let outputs: usize = self.outputs.iter().map(|member| most(&member.index)).sum();
+        let shapes = self.draw.iter().flat_map(|view| &view.shapes);
+        let drawn: usize = shapes.map(|shape| most(&shape.index) * shape.values.len()).sum();
         let sizes = [
             ("coordinates", coordinates, MOST_MEMBERS),
             ("contacts", contacts, MOST_MEMBERS),
@@ -82,10 +86,12 @@ impl SystemDefinition {
             ("parameters", self.parameters.len(), MOST_PARAMETERS),
             ("derived", self.derived.len(), MOST_PARAMETERS),
             ("repeat", self.repeat.len(), MOST_INDICES),
+            ("draw", drawn, MOST_DRAWN),
         ];
         match sizes.into_iter().find(|(_, count, most)| count > most) {
             Some((key, count, most)) => {
-                let found = format!("{count} {key}, with the largest numbers of bodies");
+                let things = if key == "draw" { "formulas in pictures" } else { key };
+                let found = format!("{count} {things}, with the largest numbers of bodies");
                 let fault =
                     FormulaFault::new(0, "too large a system", found, format!("at most {most}"));
                 Err((vec![key.to_owned()], fault))
@@ -167,6 +173,19 @@ impl SystemDefinition {
                 return Err(fault("a name that is given twice", "one name for each thing"));
             }
             known.push(name);
+        }
+        for view in &self.draw {
+            let of_view = vec!["draw".to_owned(), view.name.clone()];
+            let shapes = view.shapes.iter().map(|shape| {
+                let key = with_index(&shape.name, shape.index.as_deref());
+                (&shape.name, [&of_view[..], &["shapes".to_owned(), key]].concat())
+            });
+            for (name, path) in [(&view.name, of_view.clone())].into_iter().chain(shapes) {
+                if !is_name(name) {
+                    let allowed = "letters, digits and _, with a letter first";
+                    return Err((path, FormulaFault::new(0, "not a name", name, allowed)));
+                }
+            }
         }
         self.check_columns()?;
         let is_it = |parameter: &WrittenParameter| {

@@ -1,7 +1,7 @@
 //! A mechanical system as its file describes it.
 
 use super::formula::{Dimension, Formula};
-use crate::model::{Bound, Law, LawParameter};
+use crate::model::{Bound, DrawnForm, Law, LawParameter};
 
 /// A mechanical system with formulas for its mass matrix, its forces and its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,8 @@ pub struct SystemDefinition {
     pub outputs: Vec<WrittenOutput>,
     /// Quantities that follow from the parameters alone.
     pub derived: Vec<WrittenDerived>,
+    /// The pictures for an animation.
+    pub draw: Vec<WrittenView>,
     /// The angle of a part that turns at a given speed.
     pub turning: Option<WrittenTurning>,
     /// The time after which the equations repeat; the time of a turn if it is not given.
@@ -77,6 +79,8 @@ pub struct WrittenCoordinate {
     pub rate: String,
     /// Whether it is an angle with a period of one turn.
     pub periodic: bool,
+    /// Whether an animation may enlarge it.
+    pub enlarged: bool,
     /// What it is, in a few words.
     pub meaning: String,
     /// The default ranges of its start value and of its rate of change.
@@ -122,6 +126,32 @@ pub struct WrittenDerived {
     pub usual: Option<[Formula; 2]>,
 }
 
+/// A picture of an animation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenView {
+    /// The name.
+    pub name: String,
+    /// Whether the animation can turn it with the part that turns.
+    pub turns: bool,
+    /// The shapes; later ones cover earlier ones.
+    pub shapes: Vec<WrittenShape>,
+}
+
+/// A shape of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenShape {
+    /// The name.
+    pub name: String,
+    /// The index that counts the bodies with this shape.
+    pub index: Option<String>,
+    /// Its form.
+    pub form: DrawnForm,
+    /// The coordinates of its points in turn, and the radius of a circle.
+    pub values: Vec<Formula>,
+    /// The contact whose phase it shows.
+    pub contact: Option<IndexedName>,
+}
+
 /// A contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenContact {
@@ -148,6 +178,20 @@ pub enum WrittenNormal {
     Given(Formula),
     /// It keeps this distance from becoming negative.
     Gap(Formula),
+}
+
+impl WrittenShape {
+    /// Returns the keys, below those of the shape, of one of its values.
+    pub fn keys_of(&self, value: usize) -> Vec<String> {
+        let named = DrawnForm::ALL.iter().find(|(_, form)| *form == self.form);
+        let form = named.map_or("", |(name, _)| name).to_owned();
+        let [point, axis] = [value / 2, value % 2].map(|place| format!("[{place}]"));
+        match self.form {
+            DrawnForm::Circle if value == 2 => vec!["radius".to_owned()],
+            DrawnForm::Circle | DrawnForm::Mark => vec![form, axis],
+            DrawnForm::Line | DrawnForm::Polygon | DrawnForm::Spring => vec![form, point, axis],
+        }
+    }
 }
 
 impl SystemDefinition {

@@ -16,9 +16,9 @@ use crate::model::invalid_parameter::invalid;
 use crate::model::parameter_name::{member_name, unit_ending};
 use crate::model::{
     Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel,
-    DerivedQuantity, Field, FrictionLaw, InvalidParameter, ModelKind, OutputName, OutputUnits,
-    OwnKind, OwnModel, ParameterDescriptor, SlidingSpeed, SmallMotionEquations, SpeedSegment,
-    System, Units,
+    DerivedQuantity, Drawing, Field, FrictionLaw, InvalidParameter, ModelKind, OutputName,
+    OutputUnits, OwnKind, OwnModel, ParameterDescriptor, SlidingSpeed, SmallMotionEquations,
+    SpeedSegment, System, Units,
 };
 
 /// What a kind of model of a file computes, with the texts that a process keeps.
@@ -394,6 +394,11 @@ impl OwnKind for WrittenKind {
             of_coordinate(0).chain(of_coordinate(1)).chain(outputs).collect()
         });
         Self::part(names)
+    }
+
+    fn drawing(&self, model: &OwnModel) -> Option<Drawing> {
+        let instance = self.instance(model);
+        Self::part(instance.and_then(|instance| instance.drawing(model.values())))
     }
 
     fn derived(&self, model: &OwnModel) -> Vec<DerivedQuantity> {

@@ -8,13 +8,14 @@
 //!
 //! Then read [`system`], which records the equations, and [`measured`], which evaluates the outputs. [`in_state`]
 //! examines a system in one state. [`sizes`] gives the units of the motion, [`examined`] checks a system with values of
-//! its parameters, and [`small_motions`] has its equations of small motions. Read [`kind`] last: it unites all this.
+//! its parameters, [`small_motions`] has its equations of small motions, and [`drawn`] its pictures. Read [`kind`] last: it unites all this.
 
 mod check;
 mod check_names;
 mod definition;
 mod dependence;
 mod dimensions;
+mod drawn;
 mod evaluate;
 mod examined;
 mod formula;
@@ -34,8 +35,8 @@ mod velocities;
 
 pub use definition::{
     COEFFICIENT, IndexedName, SystemDefinition, WrittenContact, WrittenCoordinate, WrittenDerived,
-    WrittenFriction, WrittenNormal, WrittenOutput, WrittenParameter, WrittenTurning, WrittenUnit,
-    law_key,
+    WrittenFriction, WrittenNormal, WrittenOutput, WrittenParameter, WrittenShape, WrittenTurning,
+    WrittenUnit, WrittenView, law_key,
 };
 pub use formula::{Formula, FormulaFault, LONGEST_FORMULA, WHOLE};
 pub use instance::FaultAt;

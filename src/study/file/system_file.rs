@@ -38,6 +38,9 @@ pub(in crate::study) struct SystemFile {
     /// Quantities that follow from the parameters alone, by name, such as a speed limit; `check` shows them.
     #[serde(default)]
     pub derived: IndexMap<String, DerivedEntry>,
+    /// Pictures for the animation of a run, by name.
+    #[serde(default)]
+    pub draw: IndexMap<String, ViewEntry>,
     /// The angle of a part that turns, with the parameter that is its speed: `{theta: speed}`.
     #[serde(default)]
     #[schemars(extend("maxProperties" = 1))]
@@ -130,9 +133,43 @@ pub(in crate::study) struct CoordinateEntry {
     /// Whether it is an angle that may go round and round.
     #[serde(default)]
     pub periodic: bool,
+    /// Whether an animation may enlarge it, because it is small beside the machine.
+    #[serde(default)]
+    pub enlarged: bool,
     /// What it is, in a few words.
     #[serde(default)]
     pub meaning: String,
+}
+
+/// A picture of an animation.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct ViewEntry {
+    /// Whether the animation can turn it with the part that turns.
+    #[serde(default)]
+    pub turns: bool,
+    /// Shapes by name; `ball[ball]` for a shape of each body. Later shapes cover earlier ones.
+    pub shapes: IndexMap<String, ShapeEntry>,
+}
+
+/// A shape: one of `circle`, `line`, `polygon`, `spring` and `mark`. A point `[x, y]` has two formulas of positions.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct ShapeEntry {
+    /// The centre of a circle.
+    pub circle: Option<[FormulaText; 2]>,
+    /// The radius of a circle.
+    pub radius: Option<FormulaText>,
+    /// The points of a line.
+    pub line: Option<Vec<[FormulaText; 2]>>,
+    /// The corners of an area.
+    pub polygon: Option<Vec<[FormulaText; 2]>>,
+    /// The ends of a spring.
+    pub spring: Option<[[FormulaText; 2]; 2]>,
+    /// The place of a dot that shows whether its contact is closed.
+    pub mark: Option<[FormulaText; 2]>,
+    /// The contact whose stick and slip the shape shows, such as `race[ball]`.
+    pub contact: Option<String>,
 }
 
 /// A contact with a given normal force, or with a gap.

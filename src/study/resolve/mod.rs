@@ -22,6 +22,7 @@ pub(in crate::study) mod stages;
 pub(in crate::study) mod sweep;
 pub(in crate::study) mod system;
 mod system_contact;
+mod system_drawing;
 pub(in crate::study) mod uncertain;
 pub(in crate::study) mod uncertain_sampling;
 pub(in crate::study) mod units;

@@ -210,6 +210,8 @@ impl<'s> Reader<'s> {
             let (within, usual) = (range("within", within)?, range("usual", usual)?);
             derived.push(WrittenDerived { quantity, within, usual });
         }
+        let draw = file.draw.iter().map(|(name, entry)| self.view(name, entry, file));
+        let draw = draw.collect::<Result<Vec<_>, StudyError>>()?;
         let turning = file.turning.iter().next();
         let units = parameters
             .iter()
@@ -244,6 +246,7 @@ impl<'s> Reader<'s> {
             contacts,
             outputs,
             derived,
+            draw,
             turning: turning.map(|(angle, speed)| WrittenTurning {
                 angle: angle.clone(),
                 speed: speed.clone(),
@@ -344,9 +347,10 @@ impl<'s> Reader<'s> {
             Some(ends) => self.range(&path.key(key), ends),
         };
         let start = [range("start", &entry.start)?, range("start_rate", &entry.start_rate)?];
-        let (periodic, meaning) = (entry.periodic, entry.meaning.clone());
+        let (periodic, enlarged) = (entry.periodic, entry.enlarged);
+        let meaning = entry.meaning.clone();
         let rate = entry.rate.clone().unwrap_or_else(|| format!("{name}_rate"));
-        Ok(WrittenCoordinate { name, index, unit, rate, periodic, meaning, start })
+        Ok(WrittenCoordinate { name, index, unit, rate, periodic, enlarged, meaning, start })
     }
 
     /// Returns the formulas of the two ends of a range.
@@ -411,7 +415,7 @@ impl<'s> Reader<'s> {
         }
     }
 
-    fn place(&self, path: &[&str], text: &str) -> Result<IndexedName, StudyError> {
+    pub(super) fn place(&self, path: &[&str], text: &str) -> Result<IndexedName, StudyError> {
         let parsed = Formula::parse(text);
         parsed.map(IndexedName).map_err(|fault| refuse(&self.path(path), text, fault))
     }
