@@ -40,6 +40,7 @@ fn _stickslip(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulation::Simulation>()?;
     module.add_function(wrap_pyfunction!(command::_command, module)?)?;
     module.add_function(wrap_pyfunction!(plotting::_figures, module)?)?;
+    module.add_function(wrap_pyfunction!(study::_latex, module)?)?;
     module.add_function(wrap_pyfunction!(study::_unpickle, module)?)?;
     for function in [
         wrap_pyfunction!(equilibria::equilibrium_set, module)?,

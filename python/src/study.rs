@@ -345,6 +345,12 @@ impl PyStudy {
     }
 }
 
+/// Returns the equations of a system file in LaTeX; nothing for a file with a fault.
+#[pyfunction]
+pub fn _latex(text: &str) -> Option<String> {
+    stickslip::study::system_in_latex(text).ok().flatten()
+}
+
 /// Creates a study from its resolved study file.
 #[pyfunction]
 pub fn _unpickle(text: String) -> PyResult<PyStudy> {

@@ -146,8 +146,8 @@ class _Unknown(Exception):
 
 def equations(
     formulas: Formulas, kinetic: Any, potential: Any, forces: Mapping[Any, Any]
-) -> tuple[dict[str, dict[str, str]], dict[str, str], str]:
-    """Returns the mass matrix and the forces of Lagrange's equations, and the equations in LaTeX."""
+) -> tuple[dict[str, dict[str, str]], dict[str, str]]:
+    """Returns the mass matrix and the forces of Lagrange's equations."""
     names, positions, rates = list(formulas.functions), formulas.positions, formulas.rates
     energy = _expanded(sympy.trigsimp(_expanded(formulas.symbolic("kinetic", kinetic))))
     stored = formulas.symbolic("potential", potential)
@@ -161,7 +161,7 @@ def equations(
     given = {formulas.name(key): force for key, force in forces.items()}
     for name in set(given) - set(names):
         raise _refused("forces", "unknown coordinate", name, ", ".join(names))
-    rows, force, shown = {}, {}, []
+    rows, force = {}, {}
     for place, (name, position, rate) in enumerate(zip(names, positions, rates)):
         row = {other: mass[place, column] for column, other in enumerate(names) if column >= place}
         rows[name] = {other: formulas.formula(f"mass.{name}.{other}", entry) for other, entry in row.items() if entry != 0}
@@ -175,16 +175,4 @@ def equations(
         terms += [] if text is None else [f"({text})"]
         if terms:
             force[name] = " + ".join(terms)
-        shown.append((own, text))
-    return {name: row for name, row in rows.items() if row}, force, _latex(formulas, mass, shown)
-
-
-def _latex(formulas: Formulas, mass: Any, forces: Iterable[tuple[Any, Any]]) -> str:
-    vlatex = import_module("sympy.physics.vector").vlatex
-    functions = list(formulas.functions.values())
-    back = dict(zip(formulas.positions, functions))
-    back.update((rate, one.diff(one.args[0])) for rate, one in zip(formulas.rates, functions))
-    rows = [vlatex(own.xreplace(back)) + (rf" + \verb|{text}|" if text else "") for own, text in forces]
-    sides = [mass.xreplace(back), sympy.Matrix([one.diff(one.args[0], 2) for one in functions])]
-    right = r"\left[\begin{matrix}" + r" \\ ".join(rows) + r"\end{matrix}\right]"
-    return r"$\displaystyle " + " ".join(map(vlatex, sides)) + f" = {right}" + r" + \text{contacts}$"
+    return {name: row for name, row in rows.items() if row}, force

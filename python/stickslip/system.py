@@ -37,7 +37,6 @@ class System(Mapping[str, Any]):
         if not isinstance(keys, Mapping):
             raise _wrong("keys", type(keys).__name__, "a dict with the keys of a system file")
         self._keys: dict[str, Any] = _plain("", keys)
-        self._latex: Optional[str] = None
 
     @classmethod
     def from_dict(cls, keys: Mapping[str, Any]) -> System:
@@ -93,7 +92,7 @@ class System(Mapping[str, Any]):
         lagrange: Any = import_module("._lagrange", __package__)
         given = forces or {}
         formulas = lagrange.Formulas(coordinates, parameters, [kinetic, potential, *given.values()])
-        mass, force, latex = lagrange.equations(formulas, kinetic, potential, given)
+        mass, force = lagrange.equations(formulas, kinetic, potential, given)
         keys = {
             "system": name,
             **({"meaning": meaning} if meaning else {}),
@@ -104,9 +103,7 @@ class System(Mapping[str, Any]):
             "contacts": contacts,
             **({} if period is None else {"period": period}),
         }
-        system = cls(_plain("", keys, formulas.formula))
-        system._latex = latex
-        return system
+        return cls(_plain("", keys, formulas.formula))
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the keys of the system file, as a copy."""
@@ -134,8 +131,9 @@ class System(Mapping[str, Any]):
         return f"<stickslip.System {self._keys.get('system')}: {', '.join(counts)}>"
 
     def _repr_latex_(self) -> Optional[str]:
-        """Returns the equations of motion of a system from SymPy, for notebooks."""
-        return self._latex
+        """Returns the equations of motion for notebooks; nothing if a study would refuse the system."""
+        shown: Optional[str] = import_module("._stickslip", __package__)._latex(self.to_yaml())
+        return shown
 
 
 def _needed(module: str, call: str, package: str) -> Any:

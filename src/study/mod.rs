@@ -64,6 +64,7 @@ pub use plan::searches::{Identification, Limit, Objective, Optimization};
 pub(crate) use plan::units::short_name;
 pub use plan::units::{ShownUnits, Unit};
 pub use plan::variable::{DesignValue, Values, Variable};
+pub use resolve::system::system_in_latex;
 pub(crate) use sampling::draw::mixed;
 pub use schema::json_schema;
 pub use tables::{MeasuredRun, TableSource, implausible_angle};

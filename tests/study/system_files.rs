@@ -1,8 +1,10 @@
 //! Files with a mechanical system: what is wrong in one is said with its place and a remedy, and right ones keep their
 //! meaning in every notation.
 
+use stickslip::study::system_in_latex;
+
 use super::{parse, says};
-use crate::support::{cases, rows};
+use crate::support::{cases, rows, shipped};
 
 /// A study with a valid system, one key per line.
 const GOOD: &str = "\
@@ -365,5 +367,46 @@ fn hostile_systems_are_refused() {
         let text = GOOD.replacen(force, &serde_json::Value::from(formula.as_str()).to_string(), 1);
         let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {formula:.80}"));
         assert!(error.line().is_some() && error.to_string().len() < 3000, "{error}");
+    }
+}
+
+/// The equations in LaTeX: parentheses where precedence needs them, and the index of each body.
+#[test]
+fn equations_in_latex() {
+    let equations = |system: &str| {
+        let latex = system_in_latex(system).unwrap_or_else(|error| panic!("{error}"));
+        latex.expect("no fault")
+    };
+    let text = "system: a\nparameters: {m_1: 2, k: 3.0e-5, b: 1, n: {value: 2, most: 3}}\nrepeat: {cart: n}\n\
+                coordinates: {'x[cart]': {start: 0}}\nmass: {'x[cart]': {'x[cart]': m_1}}\n\
+                force: {'x[cart]': \"-(k + b) * x[cart] / (m_1 * b) - (x[1]' - x[2]')^2 + sqrt(exp(-x[1])) * 2\"}\n\
+                contacts: {'pad[cart]': {normal: 2 * b, sliding: \"x[cart]' - b\", friction: {coulomb: {coefficient: k}}}}\n";
+    let force = |body: u32| {
+        format!(
+            r"-\frac{{\left(k + b\right) \, x_{{{body}}}}}{{m_{{\mathrm{{1}}}} \, b}} - \left(\dot{{x}}_{{1}} - \dot{{x}}_{{2}}\right)^{{2}} + \sqrt{{\exp\left(-x_{{1}}\right)}} \cdot 2"
+        )
+    };
+    let pad = |body: u32| {
+        format!(
+            r"& \text{{pad {body}: }} \text{{normal}} = 2 \, b, \quad \text{{sliding}} = \dot{{x}}_{{{body}}} - b"
+        )
+    };
+    let expected = format!(
+        r"$\displaystyle \begin{{aligned}} & \begin{{bmatrix}} m_{{\mathrm{{1}}}} & 0 \\ 0 & m_{{\mathrm{{1}}}} \end{{bmatrix}} \begin{{bmatrix}} \ddot{{x}}_{{1}} \\ \ddot{{x}}_{{2}} \end{{bmatrix}} = \begin{{bmatrix}} {} \\ {} \end{{bmatrix}} + \text{{contacts}} \\ {} \\ {} \end{{aligned}}$",
+        force(1),
+        force(2),
+        pad(1),
+        pad(2)
+    );
+    assert_eq!(equations(text), expected);
+    for file in ["woodpecker", "ball_balancer", "unbalanced_shaft", "block_chain"] {
+        let text = std::fs::read_to_string(shipped(&format!("systems/{file}.yaml"))).expect(file);
+        let latex = equations(&text);
+        let depth = latex.chars().try_fold(0_u32, |depth, letter| match letter {
+            '{' => Some(depth + 1),
+            '}' => depth.checked_sub(1),
+            _ => Some(depth),
+        });
+        assert_eq!(depth, Some(0), "{latex}");
     }
 }

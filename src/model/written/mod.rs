@@ -8,7 +8,8 @@
 //!
 //! Then read [`system`], which records the equations, and [`measured`], which evaluates the outputs. [`in_state`]
 //! examines a system in one state. [`sizes`] gives the units of the motion, [`examined`] checks a system with values of
-//! its parameters, [`small_motions`] has its equations of small motions, and [`drawn`] its pictures. Read [`kind`] last: it unites all this.
+//! its parameters, [`small_motions`] has its equations of small motions, [`drawn`] has its pictures, and
+//! [`latex`] its equations in print. Read [`kind`] last: it unites all this.
 
 mod check;
 mod check_names;
@@ -23,6 +24,7 @@ mod in_state;
 mod instance;
 mod instance_values;
 mod kind;
+mod latex;
 mod linear;
 mod measured;
 mod names;

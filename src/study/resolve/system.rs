@@ -93,6 +93,15 @@ pub(in crate::study) fn built_in_system(file: &str, text: &str) -> &'static Mode
     written_kind(definition, true).0
 }
 
+/// Returns the equations of a system file in LaTeX.
+///
+/// # Errors
+/// Returns what is wrong in the text of the file.
+pub fn system_in_latex(text: &str) -> Result<Option<String>, StudyError> {
+    let source = Source::new(Path::new("system"), text.to_owned())?;
+    Ok(definition(&source)?.latex())
+}
+
 /// Reads and checks the keys of a system.
 fn definition(source: &Source) -> Result<SystemDefinition, StudyError> {
     let file: SystemFile = decode(source, &Names::default(), None).map_err(|error| {
