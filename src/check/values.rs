@@ -39,6 +39,7 @@ pub(super) fn findings(
         let kinetic = model.friction_coefficient();
         let friction = kinetic.and_then(|kinetic| at.friction(model.friction(), kinetic, None));
         let profile = at.profile(model);
+        let profile = profile.into_iter().chain(at.motions(model));
         let all = friction.into_iter().chain(at.fast_support(model)).chain(profile);
         return all.chain(at.unusual(model)).collect();
     };
@@ -277,6 +278,25 @@ impl FindingPoint<'_> {
                 short(last.begins_s)
             ),
             remedy: "a larger simulation.end_time_s, with time to come to rest at the last speed"
+                .to_owned(),
+        })
+    }
+
+    /// Motions of tables, of which a run must see the end.
+    fn motions(&self, model: &Model) -> Option<Finding> {
+        let [_, end_s] = self.study.simulation().end_times_s();
+        let begins_s = model.last_stage_begins_s();
+        let is_cut = !model.given_motions().is_empty() && end_s <= begins_s;
+        is_cut.then(|| Finding {
+            kind: "motion_beyond_end",
+            key: "simulation.end_time_s".to_owned(),
+            problem: "runs end within a motion of a table".to_owned(),
+            found: format!(
+                "an end at {} s; the motion ends at {} s",
+                short(end_s),
+                short(begins_s)
+            ),
+            remedy: "a larger simulation.end_time_s, with time to come to rest after the motion"
                 .to_owned(),
         })
     }

@@ -24,6 +24,14 @@ pub(super) fn system_text(study: &Study) -> String {
     {
         rows.extend(named(key, word));
     }
+    for (name, node) in entries(&source["motions"]) {
+        let table = node["table"]["rows"].as_array().map_or(&[][..], Vec::as_slice);
+        let end = table.last().map_or("0".to_owned(), |row| in_words(&row[0]));
+        let keys = entries(node).filter(|(key, _)| *key != "table");
+        let keys = keys.map(|(key, value)| format!("{key}: {}, ", in_words(value)));
+        let text = format!("{}{} rows until {end} s", keys.collect::<String>(), table.len());
+        rows.push(row(format!("motion {name}"), text));
+    }
     for key in ["turning", "period"] {
         rows.extend(source.get(key).map(|value| row(key.to_owned(), in_words(value))));
     }

@@ -1,6 +1,6 @@
 //! The motion of the disc in a run: its speed, and the angle by which it has turned since the start.
 
-use super::{Kick, Machine, Model, ParameterDescriptor, SpeedProfile, SpeedSegment};
+use super::{GivenMotion, Kick, Machine, Model, ParameterDescriptor, SpeedProfile, SpeedSegment};
 
 /// The motion of a disc over the time of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,16 +52,6 @@ impl DiscMotion {
         };
         DiscMotion { segments: segments.into_iter().map(with_angle).collect() }
     }
-
-    /// Returns the begins of the stages of a run that ends at a time, s, in order. Kicks at some times begin stages, too.
-    fn stage_begins_s(&self, kicks: &[Kick], end_time_s: f64) -> Vec<f64> {
-        let knots = self.segments.iter().map(|(segment, _)| segment.begins_s);
-        let mut begins: Vec<f64> = knots.chain(kicks.iter().map(|kick| kick.at_s)).collect();
-        begins.retain(|begin| *begin < end_time_s);
-        begins.sort_by(f64::total_cmp);
-        begins.dedup();
-        begins
-    }
 }
 
 impl Machine {
@@ -111,19 +101,37 @@ impl Model {
         }
     }
 
+    /// Returns the motions that tables give over time.
+    pub fn given_motions(&self) -> Vec<&GivenMotion> {
+        match self {
+            Model::BallBalancer(_) => Vec::new(),
+            Model::Own(model) => model.own().motions(),
+        }
+    }
+
     fn kicks(&self) -> &[Kick] {
         self.ball_balancer().map_or(&[], |machine| &machine.kicks)
     }
 
-    /// Returns whether a run has stages: the speed changes, or the table is kicked.
+    /// Returns whether a run has stages: the speed changes, the table is kicked, or a table gives a motion.
     pub fn has_stages(&self) -> bool {
-        self.speed_profile().is_some() || !self.kicks().is_empty()
+        self.speed_profile().is_some()
+            || !self.kicks().is_empty()
+            || !self.given_motions().is_empty()
     }
 
-    /// Returns the begins of the stages of a run that ends at a time, s, in order; one for a model without a part that turns.
+    /// Returns the begins of the stages of a run that ends at a time, s, in order.
     pub fn stage_begins_s(&self, end_time_s: f64) -> Vec<f64> {
-        let motion = self.disc_motion();
-        motion.map_or(vec![0.0], |motion| motion.stage_begins_s(self.kicks(), end_time_s))
+        let disc = self.disc_motion();
+        let knots = disc.iter().flat_map(|disc| disc.segments.iter());
+        let knots = knots.map(|(segment, _)| segment.begins_s);
+        let kicks = self.kicks().iter().map(|kick| kick.at_s);
+        let mut begins: Vec<f64> = [0.0].into_iter().chain(knots).chain(kicks).collect();
+        begins.extend(self.given_motions().iter().flat_map(|motion| motion.times_s()));
+        begins.retain(|begin| *begin < end_time_s);
+        begins.sort_by(f64::total_cmp);
+        begins.dedup();
+        begins
     }
 
     /// Returns the begin of the last stage of a run, s; 0 for a model whose runs have one stage.

@@ -9,7 +9,7 @@ use super::{Ball, Machine};
 /// Pictures of a machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
-    /// The quantities in the formulas.
+    /// The quantities in the formulas: coordinates first, and after them the motions that tables give.
     pub quantities: Vec<DrawnQuantity>,
     /// The pictures.
     pub views: Vec<DrawnView>,

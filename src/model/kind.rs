@@ -6,8 +6,8 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::{
-    Components, Coordinate, DerivedQuantity, Drawing, FrictionLaw, InvalidParameter, Machine,
-    OutputName, ParameterDescriptor, SlidingSpeed, SmallMotionEquations, SpeedProfile,
+    Components, Coordinate, DerivedQuantity, Drawing, FrictionLaw, GivenMotion, InvalidParameter,
+    Machine, OutputName, ParameterDescriptor, SlidingSpeed, SmallMotionEquations, SpeedProfile,
     SpeedSegment, System, Units,
 };
 
@@ -154,19 +154,28 @@ pub trait OwnKind: Sync {
         None
     }
 
-    /// Returns the system in a stage in which the part that turns has this speed, after this angle. The last component of its state
-    /// is the time since the begin of the stage.
-    fn system_in_stage(
-        &self,
-        model: &OwnModel,
-        _speed: &SpeedSegment,
-        _before_rad: f64,
-    ) -> Arc<dyn System> {
-        self.system(model)
+    /// Returns the motions that tables give over time.
+    fn motions(&self) -> Vec<&GivenMotion> {
+        Vec::new()
+    }
+
+    /// Returns the system in a stage of its run, and whether the last component of its state is the time since the begin of the
+    /// stage.
+    fn system_in_stage(&self, model: &OwnModel, _stage: &StageMotion) -> (Arc<dyn System>, bool) {
+        (self.system(model), false)
     }
 
     /// Returns a start state in the components of the system; `start` has one value for each coordinate.
     fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components;
+}
+
+/// How parts move in a stage of a run by themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageMotion {
+    /// The begin of the stage, s.
+    pub begins_s: f64,
+    /// For a model with a part that turns: how far it has turned before, rad, and its speed from the begin of the stage on.
+    pub turning: Option<(f64, SpeedSegment)>,
 }
 
 /// What results call a contact.

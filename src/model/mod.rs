@@ -36,6 +36,7 @@ mod equations;
 mod existence;
 mod friction;
 mod gap;
+mod given_motion;
 mod graph;
 mod held;
 mod interval;
@@ -85,6 +86,7 @@ pub use friction::{
 };
 pub use gap::Gap;
 pub(crate) use gap::pushes;
+pub use given_motion::GivenMotion;
 pub use graph::{
     ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,
     GapEquations, Graph, Node, NodeId, Opening, OpeningEquations, Recorder, Solve, StateLayout,
@@ -96,7 +98,9 @@ pub use held::{
 };
 pub use interval::{Bounded, Interval};
 pub use invalid_parameter::InvalidParameter;
-pub use kind::{Capabilities, ContactNames, DefaultModel, ModelKind, OwnKind, OwnModel};
+pub use kind::{
+    Capabilities, ContactNames, DefaultModel, ModelKind, OwnKind, OwnModel, StageMotion,
+};
 pub use machine::{Ball, Kick, MAX_BALLS, Machine, NormalForce};
 pub use material::{MATERIALS, Material, STEEL_KG_M3};
 pub use mechanism::Mechanism;
@@ -118,6 +122,6 @@ pub use system::{
 pub use written::{
     COEFFICIENT, FaultAt, Formula, FormulaFault, IndexedName, LONGEST_FORMULA, SystemDefinition,
     WHOLE, WRITTEN, WrittenContact, WrittenCoordinate, WrittenDerived, WrittenFriction,
-    WrittenNormal, WrittenOutput, WrittenParameter, WrittenShape, WrittenTurning, WrittenUnit,
-    WrittenView, law_key, written_kind, written_kind_named,
+    WrittenMotion, WrittenNormal, WrittenOutput, WrittenParameter, WrittenShape, WrittenTurning,
+    WrittenUnit, WrittenView, law_key, written_kind, written_kind_named,
 };

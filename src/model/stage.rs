@@ -3,9 +3,13 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use super::given_motion::shifted;
 use super::invalid_parameter::{InvalidParameter, invalid};
 use super::parameter_name::member_name;
-use super::{Components, DiscMotion, Machine, Model, OwnModel, SPEED_TERMS, Start, System};
+use super::{
+    Components, DiscMotion, Machine, Model, OwnModel, SPEED_TERMS, SpeedSegment, StageMotion,
+    Start, System,
+};
 
 /// A stage of a run.
 #[derive(Clone, Debug)]
@@ -23,7 +27,7 @@ pub struct Stage {
     /// Whether the speed changes.
     pub is_driven: bool,
     /// The non-dimensional time since the begin of the segment of the profile, if it is the last component of the state: for
-    /// a balancer if the speed changes, for another model in all stages of a profile.
+    /// a balancer if the speed changes, for another model if its equations change with time.
     time: Option<f64>,
     /// Whether the last component of a start state is a time.
     starts_with_time: bool,
@@ -51,7 +55,7 @@ impl Model {
     /// the last stage.
     pub fn stages(&self, start: &Start, end_time_s: f64) -> Option<Vec<Stage>> {
         let (disc, begins) = (self.disc_motion(), self.stage_begins_s(end_time_s));
-        let Some(disc) = disc.filter(|_| self.has_stages()) else {
+        if !self.has_stages() {
             let only = Stage {
                 begins_s: 0.0,
                 ends_s: end_time_s,
@@ -64,34 +68,53 @@ impl Model {
                 jump: [0.0; 2],
             };
             return Some(vec![only]);
-        };
+        }
         let ends = begins.iter().copied().skip(1).chain([end_time_s]);
         let times = begins.iter().copied().zip(ends).map(|(begin, end)| [begin, end]);
         match self {
             Model::BallBalancer(machine) => {
                 let angles = start.0.get(2..2 + machine.balls.len())?;
+                let disc = disc?;
                 // Each stage copies the machine, but not a profile of many rows.
                 let machine = Machine { speed_profile: None, ..machine.clone() };
                 times.map(|times| machine.stage(angles, &disc, times)).collect()
             }
-            Model::Own(model) => times.map(|times| model.stage(&disc, times)).collect(),
+            Model::Own(model) => times.map(|times| model.stage(disc.as_ref(), times)).collect(),
         }
     }
 }
 
 impl OwnModel {
-    fn stage(&self, disc: &DiscMotion, [begins_s, ends_s]: [f64; 2]) -> Option<Stage> {
-        let (segment, before_rad) = disc.segment_at(begins_s)?;
-        let speed_at = |time_s: f64| segment.speed_rad_s(time_s - segment.begins_s);
+    fn stage(&self, disc: Option<&DiscMotion>, [begins_s, ends_s]: [f64; 2]) -> Option<Stage> {
+        let segment = disc.and_then(|disc| disc.segment_at(begins_s));
+        let turning = segment.map(|(segment, before_rad)| {
+            let since_begin_s = begins_s - segment.begins_s;
+            let speed = SpeedSegment {
+                begins_s,
+                lasts_s: segment.lasts_s - since_begin_s,
+                terms: shifted(segment.terms, since_begin_s),
+                ..*segment
+            };
+            (before_rad + segment.turned_rad(since_begin_s), speed)
+        });
+        let speeds_rad_s = turning
+            .as_ref()
+            .map(|(_, speed)| [0.0, ends_s - begins_s].map(|time_s| speed.speed_rad_s(time_s)));
+        let speed_changes = turning.as_ref().is_some_and(|(_, speed)| !speed.is_hold);
+        let mut motions = self.own().motions().into_iter();
+        let is_driven =
+            speed_changes || motions.any(|motion| motion.terms_from(begins_s).len() > 1);
+        let (system, has_clock) =
+            self.own().system_in_stage(self, &StageMotion { begins_s, turning });
         Some(Stage {
             begins_s,
             ends_s,
-            speeds_rad_s: Some([begins_s, ends_s].map(speed_at)),
+            speeds_rad_s,
             is_kicked: false,
-            system: self.own().system_in_stage(self, segment, *before_rad),
-            is_driven: !segment.is_hold,
-            time: Some(0.0),
-            starts_with_time: true,
+            system,
+            is_driven,
+            time: has_clock.then_some(0.0),
+            starts_with_time: disc.is_some(),
             jump: [0.0; 2],
         })
     }

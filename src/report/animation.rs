@@ -88,7 +88,7 @@ pub fn animation(
     let units = model.units();
     let [begin, end] = [samples.first(), samples.last()]
         .map(|sample| sample.map_or(0.0, |sample| units.seconds(sample.time)));
-    let values = samples.iter().map(|sample| values(model, sample)).collect::<Vec<_>>();
+    let values = samples.iter().map(|sample| values((model, drawing), sample)).collect::<Vec<_>>();
     let quantities = drawing.quantities.iter().enumerate();
     let quantities = quantities.map(|(number, DrawnQuantity { name, angular, enlarged, .. })| {
         let values = values.iter().map(|values| values[number]).collect();
@@ -134,16 +134,18 @@ pub fn animation(
 }
 
 /// Returns the drawn quantities in SI units.
-fn values(model: &Model, sample: &MotionSample) -> Vec<f64> {
-    let units = model.units();
+fn values((model, drawing): (&Model, &Drawing), sample: &MotionSample) -> Vec<f64> {
+    let (units, motions) = (model.units(), model.given_motions());
     match sample.table {
         Some([x, y, ..]) if model.ball_balancer().is_some() => {
             let angles = sample.contacts.iter().map(|contact| contact.position);
             [x, y].map(|value| value * units.length_m).into_iter().chain(angles).collect()
         }
         _ => {
-            let outputs = sample.outputs.iter().zip(&units.outputs);
-            outputs.map(|(value, units)| value * units.size).collect()
+            let coordinates = drawing.quantities.len() - motions.len();
+            let outputs = sample.outputs.iter().zip(&units.outputs).take(coordinates);
+            let given = motions.iter().map(|motion| motion.at(units.seconds(sample.time)));
+            outputs.map(|(value, units)| value * units.size).chain(given).collect()
         }
     }
 }

@@ -1,5 +1,5 @@
 //! `stages.parquet`: what happens in each stage of each run, with one row per run and stage. A study whose disc turns at
-//! constant speed, without kicks, has no such table.
+//! constant speed, without kicks and motions of tables, has no such table.
 
 use super::column::{Column, Columns};
 use super::run_record::RunRecord;
@@ -44,8 +44,11 @@ pub fn stage_columns(study: &Study) -> Vec<Column<StageRow>> {
     list.count("run_id", |row| row.run_id).meaning("number of the run in the study, from 0");
     list.point_id(|row| row.point_id);
     list.count("stage", |row| row.stage).meaning("number of the stage in the run, from 1");
-    list.word("kind", StageRow::kind)
-        .meaning("ramp, in which the speed of the disc changes, or hold, at constant speed");
+    let turns = model.disc_motion().is_some();
+    if turns {
+        list.word("kind", StageRow::kind)
+            .meaning("ramp, in which the speed of the disc changes, or hold, at constant speed");
+    }
     if model.kind().offers.vibration {
         list.boolean("kicked", |row| row.outcome.is_kicked)
             .meaning("whether the table is kicked at the begin of the stage");
@@ -53,10 +56,12 @@ pub fn stage_columns(study: &Study) -> Vec<Column<StageRow>> {
     list.number("begin_s", "s", |row| row.outcome.time_s[0]).meaning("begin of the stage");
     list.number("end_s", "s", |row| row.outcome.time_s[1])
         .meaning("end of the stage, or of the run in it");
-    list.number("begin_speed_rad_s", "rad/s", |row| row.outcome.speed_rad_s[0])
-        .meaning("speed of the disc at the begin of the stage");
-    list.number("end_speed_rad_s", "rad/s", |row| row.outcome.speed_rad_s[1])
-        .meaning("speed of the disc at the end of the stage");
+    if turns {
+        list.number("begin_speed_rad_s", "rad/s", |row| row.outcome.speed_rad_s[0])
+            .meaning("speed of the disc at the begin of the stage");
+        list.number("end_speed_rad_s", "rad/s", |row| row.outcome.speed_rad_s[1])
+            .meaning("speed of the disc at the end of the stage");
+    }
     for ball in 0..model.balls() {
         list.number(format!("beta_{}_rad", ball + 1), "rad", move |row| {
             row.outcome.position.get(ball).copied()

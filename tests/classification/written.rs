@@ -1,7 +1,9 @@
 //! Systems in files end as the systems of Rust programs, and as publications say.
 
-use stickslip::classification::{Label, Outcome, found_endings, simulate};
-use stickslip::model::{Case, Machine, Simulation};
+use stickslip::classification::{
+    Instants, Label, Outcome, RunRecorder, found_endings, simulate, simulate_recorded,
+};
+use stickslip::model::{Case, Machine, Model, Simulation};
 use stickslip::study::Study;
 
 use crate::support::{angular_distance, cases_of, parse, shipped};
@@ -118,4 +120,103 @@ fn light_balls_have_one_solution_everywhere() {
     };
     assert!(balancer("count: 2") && balancer("count: 8") && sure("{kind: rotor_balancer}"));
     assert!(!balancer("m: 0.4") && !balancer("m: 0.1, mu: 5"));
+}
+
+/// A block on ground that a table moves by `3 t² - 2 t³` m in 1 s, with a friction limit of 4 m/s² times its mass: it slips backward
+/// until 1/3 s, sticks until 5/6 s, and slips forward until it rests at 25/24 s. The spline is this polynomial, also with a row
+/// between. Both methods agree, and the position of the block as coordinate in place of that from the ground.
+#[test]
+fn a_block_on_ground_that_a_table_moves() {
+    let slip = -(3.0 / 9.0 - 2.0 / 27.0) + 2.0 / 9.0 + 2.0 / 216.0 + (1.0_f64 / 6.0).powi(2) / 8.0;
+    let relative = ("-m * ground''", "x'", slip);
+    let absolute = ("0", "x' - ground'", 1.0 + slip);
+    for (method, (force, sliding, end)) in
+        [("event", relative), ("switch", relative), ("event", absolute)]
+    {
+        let study = parse(format!(
+            "schema: 1\nname: a\nseed: 1\nmodel:\n  system:\n    system: a\n    parameters: {{m: 2 kg, load: 8 N, mu: 1}}\n\
+             \x20   motions: {{ground: {{unit: m, table: {{columns: ['time [ms]', ground_m], rows: [[0, 0], [300, 0.216], [1000, 1]]}}}}}}\n\
+             \x20   coordinates: {{x: {{unit: m}}}}\n    mass: {{x: {{x: m}}}}\n    force: {{x: \"{force}\"}}\n\
+             \x20   contacts: {{ground: {{normal: load, sliding: \"{sliding}\", friction: {{coulomb: {{coefficient: mu}}}}}}}}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\nsimulation: {{method: {method}, end_time_s: 3}}\n"
+        ));
+        let [case] = &cases_of(&study)[..] else { panic!("one run") };
+        assert_eq!(case.model.stage_begins_s(3.0), [0.0, 0.3, 1.0]);
+        let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 0 }, 1000);
+        let outcome = simulate_recorded(case, &mut recorder);
+        assert_eq!(outcome.evidence.name(), "rest_certified");
+        assert!((outcome.outputs[0].end - end).abs() < 1e-8, "{method}: {outcome:?}");
+        let rate = case.model.units().natural_rad_s;
+        let switches = recorder.finish().switches;
+        let times: Vec<f64> = switches.iter().map(|switch| switch.time / rate).collect();
+        for expected in [1.0 / 3.0, 5.0 / 6.0, 25.0 / 24.0] {
+            let is_there = times.iter().any(|time| (time - expected).abs() < 1e-6);
+            assert!(is_there, "{method} {expected}: {times:?}");
+        }
+    }
+}
+
+/// The permanent displacements of the shipped study are those of Newmark's method: small steps in which the block slides with the
+/// acceleration that friction leaves, or moves with the ground. The page of system files has one of them.
+#[test]
+fn a_shaken_block_slides_as_far_as_by_small_steps() {
+    let page = include_str!("../../docs/system-files.md");
+    let study = parse(std::fs::read_to_string(shipped("shaken-block.yaml")).expect("a study"));
+    let mut all = Vec::new();
+    for case in cases_of(&study) {
+        let Model::Own(model) = &case.model else { panic!("a system") };
+        let (weight, limit) = {
+            let [slope, g, mu] = ["slope_rad", "g_m_s2", "mu"].map(|name| model.number(name));
+            (g * slope.sin(), mu * g * slope.cos())
+        };
+        let ground = case.model.given_motions()[0];
+        let (mut slip, mut speed, step) = (0.0_f64, 0.0_f64, 2e-5);
+        for number in 0..250_000 {
+            let force = match ground.terms_from((f64::from(number) + 0.5) * step)[..] {
+                [_, _, second, _] => weight - 2.0 * second,
+                _ => weight,
+            };
+            let sliding = if speed == 0.0 { force } else { speed };
+            let next = speed + step * (force - limit * sliding.signum());
+            let stops = next * sliding <= 0.0 || speed == 0.0 && force.abs() <= limit;
+            let after = if stops { 0.0 } else { next };
+            slip += step * 0.5 * (speed + after);
+            speed = after;
+        }
+        let outcome = simulate(&case);
+        assert_eq!(outcome.evidence.name(), "rest_certified");
+        let end = outcome.outputs[0].end;
+        assert!((end - slip).abs() < 2e-4, "{end} {slip}");
+        all.push(end);
+    }
+    let words = format!("displaced by {:.0} mm down a slope of 5°", 1e3 * all[3]);
+    assert!(page.replace('\n', " ").contains(&words), "{words}");
+}
+
+/// A motion that rests at 0 changes nothing, although its rows divide the ramp of a shaft into stages.
+#[test]
+fn a_motion_may_stand_beside_a_part_that_turns() {
+    let text = std::fs::read_to_string(shipped("systems/unbalanced_shaft.yaml")).expect("a file");
+    let folder = tempfile::tempdir().expect("a folder");
+    let outcome = |system: &str| {
+        std::fs::write(folder.path().join("shaft.yaml"), system).expect("a file");
+        let study = "schema: 1\nname: a\nseed: 1\n\
+                     model: {system: shaft.yaml, speed_profile: [{ramp: {from: 300 rpm, over: 1 s}}, {hold: 0.5 s}]}\n\
+                     initial_conditions: {box: {x_m: [1.0e-4, 1.0e-4]}, design: {monte_carlo: {samples: 1}}}\n\
+                     simulation: {method: event, tolerance: {relative: 1.0e-11, absolute: 1.0e-13}}\n";
+        let study = Study::parse(&folder.path().join("a.yaml"), study.to_owned()).expect("valid");
+        let [case] = &cases_of(&study)[..] else { panic!("one run") };
+        (case.model.stage_begins_s(1.5), simulate(case))
+    };
+    let motion = "motions: {road: {unit: m, table: {columns: [time_s, road_m], rows: [[0, 0], [0.37, 0], [0.8, 0]]}}}\nturning:";
+    let shaken = text
+        .replace("turning:", motion)
+        .replace("force: {x: \"", "force: {x: \"k * road + m * road'' + ");
+    assert!(shaken.contains("m * road''"));
+    let [(plain, alone), (divided, beside)] = [&text, &shaken].map(|text| outcome(text));
+    assert_eq!((plain, divided), (vec![0.0, 1.0], vec![0.0, 0.37, 0.8, 1.0]));
+    assert_eq!(alone.label(), beside.label());
+    for (alone, beside) in alone.outputs.iter().zip(&beside.outputs) {
+        assert!((alone.end - beside.end).abs() < 1e-9, "{alone:?} {beside:?}");
+    }
 }

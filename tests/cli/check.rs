@@ -92,7 +92,8 @@ model: {kind: ball_balancer, parameters: {table_mass_kg: 3, speed_rad_s: 628}}\n
 model: {kind: ball_balancer, normal_force: newton}\n ¦ sweep: [{grid: {normal_force: [lagrange]}}]\n ¦ overridden_value ¦ model.normal_force
 model: {kind: ball_balancer, protocol: startup}\n ¦  ¦ profile_beyond_end ¦ simulation.end_time_s
 model: {kind: block_on_belt, parameters: {friction_coefficient: 5}}\n ¦  ¦ friction_coefficient ¦ model.parameters.friction_coefficient
-model: {kind: block_on_belt, parameters: {belt_speed_m_s: 5000}}\n ¦  ¦ speed ¦ model.parameters.belt_speed_m_s";
+model: {kind: block_on_belt, parameters: {belt_speed_m_s: 5000}}\n ¦  ¦ speed ¦ model.parameters.belt_speed_m_s
+model: {system: {system: a, motions: {g: {table: {columns: [time_s, g], rows: [[0, 0], [900, 1]]}}}, coordinates: {x: {start: [0, 1]}}, mass: {x: {x: 1}}, force: {x: -x - x' + g}}}\n ¦  ¦ motion_beyond_end ¦ simulation.end_time_s";
 
 /// Each slip gives its own warnings and no others, with the key and its line.
 #[test]

@@ -12,6 +12,7 @@ fn systems_on_the_page_are_shipped() {
         include_str!("../../studies/systems/woodpecker.yaml"),
         include_str!("../../studies/systems/block_chain.yaml"),
         include_str!("../../studies/systems/unbalanced_shaft.yaml"),
+        include_str!("../../studies/systems/shaken_block.yaml"),
         include_str!("../../studies/belt-oscillator.yaml"),
     ];
     let excerpt = "parameters: {m: 1 kg";
@@ -32,5 +33,5 @@ fn systems_on_the_page_are_shipped() {
         assert!(shipped.iter().any(|file| file.contains(text)), "not shipped:\n{text}");
         blocks += 1;
     }
-    assert_eq!(blocks, 8);
+    assert_eq!(blocks, 9);
 }

@@ -299,6 +299,7 @@ model:
     coordinates:
       x[k]: {start: 0.3, start_rate: 1, enlarged: true}
       phi: {periodic: true, start: 1, start_rate: 9}
+    motions: {push: {table: {columns: [time_s, push], rows: [[0, 0], [2, 4]]}}}
     mass: {"x[k]": {"x[k]": 1}, phi: {phi: 1}}
     force: {"x[k]": "-x[k] + cos(theta)"}
     contacts: {"foot[k]": {normal: 1, sliding: "x[k]'", friction: {coulomb: {coefficient: 0.1}}}}
@@ -311,7 +312,7 @@ model:
               - ["x[1] - b * x[2] / 3", "-x[1]^2 + pi"]
               - ["sin(phi) + cos(phi) * tan(0.5)", "exp(x[1]) - log(b)"]
               - ["sqrt(b)^3 + tanh(x[2])", "atan(x[1]) + theta + theta' / 10"]
-              - ["sum(k, k * x[k])", "if(n > 1, 4, 5)"]
+              - ["sum(k, k * x[k])", "if(n > 1, 4, 5) + push"]
           foot[k]: {circle: ["x[k]", k], radius: b / 8, contact: "foot[k]"}
 initial_conditions: {design: {monte_carlo: {samples: 1}}}
 simulation: {method: event, end_time_s: 2}
@@ -331,7 +332,7 @@ fn a_replay_draws_a_system_of_a_file() {
             serde_json::from_value(page.ask(what)).expect("numbers")
         };
         let q = numbers(&mut page, &format!("quantities({time}, 1)"));
-        let [x, second, phi] = q[..] else { panic!("{q:?}") };
+        let [x, second, phi, push] = q[..] else { panic!("{q:?}") };
         let b = 2.0_f64;
         let expected = [
             x - b * second / 3.0,
@@ -341,8 +342,10 @@ fn a_replay_draws_a_system_of_a_file() {
             b.sqrt().powi(3) + second.tanh(),
             x.atan() + 3.0 * time + 0.3,
             x + 2.0 * second,
-            4.0,
+            4.0 + push,
         ];
+        // A cubic polynomial between two rows, interpolated between two frames.
+        assert!((push - time * time * (3.0 - time)).abs() < 1e-3, "{push}");
         let found = numbers(&mut page, &format!("valuesAt({time}, 1)[0][0][0]"));
         for (found, expected) in found.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");

@@ -4,7 +4,7 @@
 use stickslip::study::system_in_latex;
 
 use super::{parse, says};
-use crate::support::{cases, rows, shipped};
+use crate::support::{cases, rows, shipped, shipped_study};
 
 /// A study with a valid system, one key per line.
 const GOOD: &str = "\
@@ -369,6 +369,45 @@ fn hostile_systems_are_refused() {
         assert!(error.line().is_some() && error.to_string().len() < 3000, "{error}");
     }
 }
+
+/// A motion that a table gives: the resolved study contains its rows, and a system file names a table beside itself.
+#[test]
+fn a_motion_has_a_table() {
+    let end = "    period: 2 * pi / omega\n";
+    let moving = GOOD.replace("f * cos(omega * t)", "k * road").replace(end, "");
+    let with = |keys: &str| {
+        moving
+            .replace("    contacts:\n", &format!("    motions: {{road: {keys}}}\n    contacts:\n"))
+    };
+    let good = "{unit: m, table: {columns: [time_s, 'road [mm]'], rows: [[0, 0], [0.5, 2]]}}";
+    let study = parse(&with(good)).unwrap_or_else(|error| panic!("{error}"));
+    let again = parse(&study.resolved_yaml()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((study.hash(), study.resolved_yaml()), (again.hash(), again.resolved_yaml()));
+    assert_eq!(study.model().given_motions()[0].rows(), [[0.0, 0.0], [0.5, 0.002]]);
+    let of_file = shipped_study("shaken-block.yaml");
+    let of_rows = parse(&of_file.resolved_yaml()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(of_file.hash(), of_rows.hash());
+    assert_eq!(of_file.model().last_stage_begins_s(), 4.0);
+    for [old, new, problem, found, allowed] in cases(WRONG_MOTIONS) {
+        let text = with(good).replace(&old, &new);
+        let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {new}"));
+        assert!(error.line().is_some() && error.problem().contains(&problem), "{error}");
+        says(&error, &found, &allowed);
+    }
+}
+
+/// A text of a system with a motion, its replacement, and what is wrong, found and allowed.
+const WRONG_MOTIONS: &str = r"[0.5, 2] ¦ [0, 2] ¦ do not ascend ¦ 0 ¦ later times
+[[0, 0], ¦ [[0.1, 0], ¦ do not ascend ¦ 0.1 ¦ 0 in the first row
+, [0.5, 2]] ¦ ] ¦ one row only ¦ 1 row ¦ two rows
+time_s ¦ t ¦ unknown column ¦ t ¦ time_s
+road [mm] ¦ road ¦ unknown column ¦ road ¦ road_m
+{unit: m, ¦ {unit: mm, ¦ not an SI unit ¦ mm ¦ m
+k * road ¦ f * cos(omega * t) ¦ the time beside a motion ¦ t ¦ given motions
+k * road ¦ k * roads ¦ unknown name ¦ roads ¦ road
+k * road ¦ k * road' ¦ different quantities ¦ kg m s^-3 ¦ N
+f: 20 N ¦ road: 20 N ¦ given twice ¦ road ¦ one name
+table: { ¦ tables: { ¦ unknown key ¦ tables ¦ table";
 
 /// The equations in LaTeX: parentheses where precedence needs them, and the index of each body.
 #[test]

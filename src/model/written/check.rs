@@ -44,6 +44,7 @@ impl Allowed {
                 "parameters and numbers",
             )),
             Allowed::Positions | Allowed::InPicture if found.rates > 0 => Some(rates),
+            Allowed::InPicture if found.given_rate => Some(rates),
             Allowed::LinearRates if found.rates == 0 => Some((
                 "a sliding speed without a rate of change",
                 "rates of change (one prime), as in x' - v_belt",
@@ -157,6 +158,11 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), Faul
         let (found_here, mut values) = instance.analysed(formula, &mut bodies).map_err(at)?;
         let depends = found_here.depends;
         let contains = |wanted: &str| values.appearing.iter().any(|(name, _)| name == wanted);
+        if !instance.definition.motions.is_empty() && contains("t") {
+            let allowed = "given motions alone; another force over time is a further motion";
+            let problem = "the time beside a motion of a table";
+            return Err(at(FormulaFault::new(0, problem, "t", allowed)));
+        }
         if let Some(turning) = &instance.definition.turning
             && contains("t")
         {

@@ -154,6 +154,8 @@ impl SystemDefinition {
         let outputs = self.outputs.iter();
         let outputs = outputs.map(|given| ("outputs", given.name.as_str(), given.index.as_deref()));
         let turning = self.turning.iter().map(|turning| ("turning", turning.angle.as_str(), None));
+        let motions = self.motions.iter().map(|motion| ("motions", motion.name.as_str(), None));
+        let turning = turning.chain(motions);
         let derived =
             self.derived.iter().map(|derived| ("derived", derived.quantity.name.as_str(), None));
         let outputs = outputs.chain(derived);

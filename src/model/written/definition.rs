@@ -1,7 +1,7 @@
 //! A mechanical system as its file describes it.
 
 use super::formula::{Dimension, Formula};
-use crate::model::{Bound, DrawnForm, Law, LawParameter};
+use crate::model::{Bound, DrawnForm, GivenMotion, Law, LawParameter};
 
 /// A mechanical system with formulas for its mass matrix, its forces and its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,8 @@ pub struct SystemDefinition {
     pub outputs: Vec<WrittenOutput>,
     /// Quantities that follow from the parameters alone.
     pub derived: Vec<WrittenDerived>,
+    /// Motions that tables give over time.
+    pub motions: Vec<WrittenMotion>,
     /// The pictures for an animation.
     pub draw: Vec<WrittenView>,
     /// The angle of a part that turns at a given speed.
@@ -94,6 +96,17 @@ pub struct WrittenTurning {
     pub angle: String,
     /// The parameter that is the speed, the last one of a profile.
     pub speed: String,
+}
+
+/// A motion that a table gives over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenMotion {
+    /// The name in formulas.
+    pub name: String,
+    /// Its unit.
+    pub unit: WrittenUnit,
+    /// The values over time, in SI units.
+    pub motion: GivenMotion,
 }
 
 /// A name with the index of a body, such as `x[block + 1]`.

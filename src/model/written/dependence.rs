@@ -8,6 +8,10 @@ use super::names::Meaning;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Dependence {
     pub time: bool,
+    /// On a motion that a table gives over time.
+    pub given: bool,
+    /// On the speed or the acceleration of such a motion.
+    pub given_rate: bool,
     pub positions: bool,
     /// The degree in the rates of change: 0, 1, or 2 for any other dependence.
     pub rates: u8,
@@ -21,6 +25,8 @@ impl Dependence {
         let none = Dependence::default();
         match meaning {
             Meaning::Time => Dependence { time: true, ..none },
+            Meaning::Given => Dependence { given: true, ..none },
+            Meaning::GivenRate => Dependence { given: true, given_rate: true, ..none },
             Meaning::Position => Dependence { positions: true, ..none },
             Meaning::Rate => Dependence { rates: 1, ..none },
             Meaning::Acceleration => Dependence { accelerations: 1, ..none },
@@ -31,6 +37,8 @@ impl Dependence {
     pub fn with(self, other: Dependence) -> Dependence {
         Dependence {
             time: self.time || other.time,
+            given: self.given || other.given,
+            given_rate: self.given_rate || other.given_rate,
             positions: self.positions || other.positions,
             rates: self.rates.max(other.rates),
             accelerations: self.accelerations.max(other.accelerations),

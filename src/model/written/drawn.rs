@@ -49,9 +49,16 @@ impl Instance<'_> {
             let unit = if self.definition.has_units() { unit } else { String::new() };
             [in_words(&coordinate.name, member.body) + &unit, format!("q[{number}]")]
         };
+        let motions = self.definition.motions.iter().map(|motion| DrawnQuantity {
+            name: in_words(&motion.name, None),
+            angular: false,
+            enlarged: false,
+            contact: None,
+        });
+        let quantities = self.coordinates.iter().enumerate().map(quantity);
         Ok(Some(Drawing {
             plots: plots.take(MOST_PLOTS).map(plot).collect(),
-            quantities: self.coordinates.iter().enumerate().map(quantity).collect(),
+            quantities: quantities.chain(motions).collect(),
             views: views.collect::<Valued<Vec<_>>>()?,
             note: String::new(),
         }))
@@ -118,6 +125,10 @@ impl FormulaValues for ScriptValues<'_> {
             return Ok(format!("q[{number}]"));
         }
         let definition = self.instance.definition;
+        let mut motions = definition.motions.iter();
+        if let Some(number) = motions.position(|motion| motion.name == name.name) {
+            return Ok(format!("q[{}]", self.instance.coordinates.len() + number));
+        }
         let named = definition.parameters.iter().zip(self.parameters);
         let mut named = named.filter(|(parameter, _)| parameter.name == name.name);
         Ok(match (named.next(), name.name.as_str()) {

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::definition::{COEFFICIENT, SystemDefinition, WrittenDerived};
 use super::evaluate::Bodies;
 use super::formula::{Dimension, Formula, NONE, Valued, WHOLE};
+use super::given_terms::GivenTerms;
 use super::instance::Instance;
 use super::numeric::{NamedValues, Scales};
 use super::sizes::Sizes;
@@ -52,7 +53,7 @@ impl ExaminedSystem {
         let parameters = definition.parameters.iter().zip(values);
         let scaled: Vec<f64> =
             parameters.map(|(given, value)| value / scales.unit(given.unit.dimension)).collect();
-        let named = instance.parameters(&scaled, 0.0);
+        let named = instance.parameters(&scaled, scales, 0.0);
         let numeric = NamedValues { scales, parameters: &named, coordinates: &[], time: 0.0 };
         let speed_of = instance.choose_velocities(numeric)?;
         let moving = instance.rates(&speed_of, numeric)?;
@@ -161,7 +162,7 @@ impl ExaminedSystem {
             friction,
             impacts,
             period: period.map(|period| period / second),
-            stage: Vec::new(),
+            stage: GivenTerms::at_rest(instance.definition, scales),
             speeds: speed_of,
             integrals,
             coordinates,
@@ -183,7 +184,7 @@ impl ExaminedSystem {
         let state: Vec<[f64; 2]> =
             positions.iter().zip(rates).map(|(position, rate)| [*position, *rate]).collect();
         let state = instance.scaled(*scales, &state);
-        let parameters = instance.parameters(values, 0.0);
+        let parameters = instance.parameters(values, *scales, 0.0);
         let coordinates = instance.named(|number| state[number]);
         let mut numeric = NamedValues {
             scales: *scales,
@@ -205,7 +206,7 @@ impl ExaminedSystem {
                 velocities[*place] = bodies.evaluate(sliding, &mut numeric)?;
             }
         }
-        let clock = instance.definition.uses_time.then_some(0.0);
+        let clock = self.system.has_clock().then_some(0.0);
         Ok(places.into_iter().chain(velocities).chain(clock).collect())
     }
 }
@@ -236,7 +237,8 @@ impl Instance<'_> {
         let (contact, bodies) = self.contact(number);
         if contact.has_law_of_study {
             let is_it = |(name, ..): &(&str, usize, f64)| *name == FRICTION_COEFFICIENT;
-            let coefficient = self.parameters(values, 0.0).into_iter().find(is_it);
+            let coefficient =
+                self.parameters(values, Scales::default(), 0.0).into_iter().find(is_it);
             return Ok((*of_study, coefficient.map_or(0.0, |(.., value)| value)));
         }
         let Some(friction) = &contact.friction else {
@@ -268,7 +270,8 @@ impl Instance<'_> {
         middle: &[[f64; 2]],
         (moving, speeds): (&Rates<f64>, &[SpeedOf]),
     ) -> Valued<(f64, Vec<f64>)> {
-        let (parameters, middle) = (self.parameters(scaled, 0.0), self.scaled(scales, middle));
+        let (parameters, middle) =
+            (self.parameters(scaled, scales, 0.0), self.scaled(scales, middle));
         let coordinates = self.named(|number| middle[number]);
         let mut numeric =
             NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
@@ -325,7 +328,7 @@ impl Instance<'_> {
     /// Returns the values of all formulas of the equations.
     pub fn all_at(&self, values: &[f64], state: &[[f64; 2]], time: f64) -> Valued<Vec<f64>> {
         let (parameters, mut coordinates) =
-            (self.parameters(values, time), self.named(|number| state[number]));
+            (self.parameters(values, Scales::default(), time), self.named(|number| state[number]));
         // Normal forces may contain accelerations.
         for (number, (.., values)) in coordinates.iter_mut().enumerate() {
             values[2] = 1.0 + 0.3 * number as f64;
@@ -365,7 +368,7 @@ impl Instance<'_> {
 
     /// Returns the value of a formula of parameters for a body.
     fn constant_of(&self, bodies: &Bodies, formula: &Formula, values: &[f64]) -> Valued<f64> {
-        let parameters = self.parameters(values, 0.0);
+        let parameters = self.parameters(values, Scales::default(), 0.0);
         let mut numeric = NamedValues {
             scales: Scales::default(),
             parameters: &parameters,

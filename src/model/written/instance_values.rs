@@ -1,8 +1,9 @@
 //! The values of the names in an instance, and its mass matrix and forces with these values.
 
+use super::definition::WrittenMotion;
 use super::formula::Valued;
 use super::instance::{Instance, Member};
-use super::numeric::{NamedValues, Scalar};
+use super::numeric::{NamedValues, Scalar, Scales};
 
 /// The values of names of an instance.
 pub(super) type Coordinates<'a, T> = Vec<(&'a str, Option<i64>, [T; 3])>;
@@ -19,25 +20,40 @@ impl Instance<'_> {
         members.map(named).collect()
     }
 
-    /// Returns the parameters by name, and the angle that turns at constant speed at a time.
-    pub fn parameters<T: Scalar>(&self, values: &[T], time: T) -> Vec<(&str, usize, T)> {
+    /// Returns the parameters by name, the angle that turns at constant speed at a time, and the last values of given motions; all
+    /// have the units of `scales`.
+    pub fn parameters<T: Scalar>(
+        &self,
+        values: &[T],
+        scales: Scales,
+        time: T,
+    ) -> Vec<(&str, usize, T)> {
+        let zero = T::constant(0.0);
         let speed = self.definition.speed_place().map(|place| values[place]);
-        let turned = speed.map(|speed| [speed * time, speed, T::constant(0.0)]);
-        self.parameters_and_angle(values, turned)
+        let turned = speed.map(|speed| [speed * time, speed, zero]);
+        let at_rest =
+            self.definition.motions.iter().map(|WrittenMotion { motion, unit, .. }| {
+                [T::constant(motion.last() / scales.unit(unit.dimension)), zero, zero]
+            });
+        self.parameters_and_motions(values, turned, at_rest)
     }
 
-    /// Returns the parameters by name, and the angle that turns with its rates of change.
-    pub fn parameters_and_angle<T: Copy>(
+    /// Returns the parameters by name, and the angle that turns and the given motions with their rates of change.
+    pub fn parameters_and_motions<T: Copy>(
         &self,
         values: &[T],
         turned: Option<[T; 3]>,
+        given: impl Iterator<Item = [T; 3]>,
     ) -> Vec<(&str, usize, T)> {
         let names = self.definition.parameters.iter().map(|parameter| parameter.name.as_str());
         let parameters = names.zip(values).map(|(name, value)| (name, 0, *value));
-        let angle = self.definition.turning.iter().zip(turned).flat_map(|(turning, angle)| {
-            (0..).zip(angle).map(|(primes, value)| (turning.angle.as_str(), primes, value))
+        let angle = self.definition.turning.iter().map(|turning| turning.angle.as_str());
+        let motions = self.definition.motions.iter().map(|motion| motion.name.as_str());
+        let moving = angle.zip(turned).chain(motions.zip(given));
+        let moving = moving.flat_map(|(name, values)| {
+            (0..).zip(values).map(move |(primes, value)| (name, primes, value))
         });
-        parameters.chain(angle).collect()
+        parameters.chain(moving).collect()
     }
 
     /// Returns the mass matrix, and the forces.

@@ -16,9 +16,9 @@ use crate::model::invalid_parameter::invalid;
 use crate::model::parameter_name::{member_name, unit_ending};
 use crate::model::{
     Capabilities, Components, ContactNames, ContactUnits, Coordinate, DefaultModel,
-    DerivedQuantity, Drawing, Field, FrictionLaw, InvalidParameter, ModelKind, OutputName,
-    OutputUnits, OwnKind, OwnModel, ParameterDescriptor, SlidingSpeed, SmallMotionEquations,
-    SpeedSegment, System, Units,
+    DerivedQuantity, Drawing, Field, FrictionLaw, GivenMotion, InvalidParameter, ModelKind,
+    OutputName, OutputUnits, OwnKind, OwnModel, ParameterDescriptor, SlidingSpeed,
+    SmallMotionEquations, StageMotion, System, Units,
 };
 
 /// What a kind of model of a file computes, with the texts that a process keeps.
@@ -346,17 +346,15 @@ impl OwnKind for WrittenKind {
         self.definition.speed_place()
     }
 
-    fn system_in_stage(
-        &self,
-        model: &OwnModel,
-        speed: &SpeedSegment,
-        before_rad: f64,
-    ) -> Arc<dyn System> {
-        let Ok(examined) = self.examined(model) else { return self.system(model) };
-        let count = speed.terms.iter().rposition(|term| *term != 0.0).map_or(1, |last| last + 1);
-        let end = speed.speed_rad_s(if speed.lasts_s.is_finite() { speed.lasts_s } else { 0.0 });
-        let fastest = speed.terms[0].abs().max(end.abs());
-        Arc::new(examined.system.in_stage(before_rad, &speed.terms[..count], fastest))
+    fn motions(&self) -> Vec<&GivenMotion> {
+        self.definition.motions.iter().map(|written| &written.motion).collect()
+    }
+
+    fn system_in_stage(&self, model: &OwnModel, stage: &StageMotion) -> (Arc<dyn System>, bool) {
+        let Ok(examined) = self.examined(model) else { return (self.system(model), false) };
+        let system = examined.system.in_stage(stage);
+        let has_clock = system.has_clock();
+        (Arc::new(system), has_clock)
     }
 
     fn system(&self, model: &OwnModel) -> Arc<dyn System> {

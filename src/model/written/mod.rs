@@ -20,6 +20,7 @@ mod drawn;
 mod evaluate;
 mod examined;
 mod formula;
+mod given_terms;
 mod in_state;
 mod instance;
 mod instance_values;
@@ -37,8 +38,8 @@ mod velocities;
 
 pub use definition::{
     COEFFICIENT, IndexedName, SystemDefinition, WrittenContact, WrittenCoordinate, WrittenDerived,
-    WrittenFriction, WrittenNormal, WrittenOutput, WrittenParameter, WrittenShape, WrittenTurning,
-    WrittenUnit, WrittenView, law_key,
+    WrittenFriction, WrittenMotion, WrittenNormal, WrittenOutput, WrittenParameter, WrittenShape,
+    WrittenTurning, WrittenUnit, WrittenView, law_key,
 };
 pub use formula::{Formula, FormulaFault, LONGEST_FORMULA, WHOLE};
 pub use instance::FaultAt;

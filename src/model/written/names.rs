@@ -11,6 +11,8 @@ pub(super) struct SystemNames {
     coordinates: Vec<(String, Option<i64>, Dimension)>,
     /// The angle of the part that turns.
     turning: Option<String>,
+    /// The motions that tables give.
+    motions: Vec<(String, Dimension)>,
 }
 
 /// What a name means.
@@ -18,6 +20,8 @@ pub(super) struct SystemNames {
 pub(super) enum Meaning {
     Constant,
     Time,
+    Given,
+    GivenRate,
     Position,
     Rate,
     Acceleration,
@@ -40,6 +44,11 @@ impl SystemNames {
                 .collect(),
             coordinates: coordinates.collect(),
             turning: definition.turning.as_ref().map(|turning| turning.angle.clone()),
+            motions: definition
+                .motions
+                .iter()
+                .map(|motion| (motion.name.clone(), motion.unit.dimension))
+                .collect(),
         }
     }
 
@@ -69,12 +78,19 @@ impl SystemNames {
             }
         };
         let turns = self.turning.as_deref() == Some(text);
+        let given = self.motions.iter().find(|known| known.0 == text);
         let angle = turns.then_some((None, NONE));
+        let angle = angle.or(given.map(|known| (None, known.1)));
         let coordinate = self.coordinates.iter().find(|known| known.0 == text);
         if let Some((count, dimension)) = coordinate.map(|known| (known.1, known.2)).or(angle) {
             of_one(body, count)?;
             let [mass, length, time] = dimension;
-            let meaning = |of_coordinate| if turns { Meaning::Time } else { of_coordinate };
+            let meaning = |of_coordinate| match (turns, given) {
+                (true, _) => Meaning::Time,
+                (false, Some(_)) if name.primes > 0 => Meaning::GivenRate,
+                (false, Some(_)) => Meaning::Given,
+                (false, None) => of_coordinate,
+            };
             return match name.primes {
                 0 => Ok((meaning(Meaning::Position), dimension)),
                 1 => Ok((meaning(Meaning::Rate), [mass, length, time - WHOLE])),
@@ -102,7 +118,9 @@ impl SystemNames {
             None => {
                 let coordinates = self.coordinates.iter().map(|known| known.0.clone());
                 let parameters = self.parameters.iter().map(|known| known.0.clone());
-                let names = coordinates.chain(parameters).chain(self.turning.clone());
+                let motions = self.motions.iter().map(|known| known.0.clone());
+                let names =
+                    coordinates.chain(parameters).chain(self.turning.clone()).chain(motions);
                 let names = names.chain(["t", "pi"].map(str::to_owned));
                 Err(FormulaFault {
                     names: names.collect(),

@@ -26,7 +26,7 @@ pub(super) struct Sizes {
 
 /// Returns the range of start values and that of start rates of each coordinate, in SI units.
 pub(super) fn ranges(instance: &Instance<'_>, values: &[f64]) -> Valued<Vec<[[f64; 2]; 2]>> {
-    let parameters = instance.parameters(values, 0.0);
+    let parameters = instance.parameters(values, Scales::default(), 0.0);
     let mut numeric = NamedValues {
         scales: Scales::default(),
         parameters: &parameters,
@@ -148,7 +148,7 @@ impl Instance<'_> {
         time: f64,
     ) -> Valued<(Vec<Vec<f64>>, Vec<f64>)> {
         let (parameters, coordinates) =
-            (self.parameters(values, time), self.named(|number| state[number]));
+            (self.parameters(values, Scales::default(), time), self.named(|number| state[number]));
         let scales = Scales::default();
         let mut numeric =
             NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time };

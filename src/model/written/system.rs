@@ -4,16 +4,17 @@ use std::any::{Any, TypeId};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::{Arc, OnceLock};
 
-use super::definition::WrittenNormal;
+use super::definition::{WrittenMotion, WrittenNormal};
 use super::formula::{Valued, WHOLE};
+use super::given_terms::GivenTerms;
 use super::instance::Instance;
 use super::measured::MeasuredQuantities;
 use super::numeric::{NamedValues, Scalar, Scales};
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{
     Components, ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
-    MechanismNormal, Number, Recorder, Structure, System, SystemEquations, add_mechanism_inputs,
-    stiff_rate,
+    MechanismNormal, Number, Recorder, StageMotion, Structure, System, SystemEquations,
+    add_mechanism_inputs, stiff_rate,
 };
 
 /// A system of a file with values of its parameters, without dimensions.
@@ -35,9 +36,8 @@ pub(super) struct WrittenSystem {
     pub coordinates: [Rates<f64>; 2],
     /// The period after which the equations repeat, if they depend on the time.
     pub period: Option<f64>,
-    /// How far a part has turned at the begin of a stage, and the coefficients of its speed as a polynomial of the time since then,
-    /// without the last ones that are zero; empty for the speed of the parameters.
-    pub stage: Vec<f64>,
+    /// How the part that turns and the given motions move in a stage.
+    pub stage: GivenTerms<f64>,
     /// The highest frequency, and the largest rate of damping, of motions without friction.
     pub rates: [f64; 2],
     pub largest_force: f64,
@@ -74,8 +74,7 @@ impl WrittenSystem {
         let (instance, n) = (&self.instance, self.instance.coordinates.len());
         let positions: Vec<_> = (0..n).map(|_| recorder.state()).collect();
         let speeds: Vec<_> = (0..n).map(|_| recorder.state()).collect();
-        let uses_time = instance.definition.uses_time;
-        let clock = uses_time.then(|| recorder.state());
+        let clock = self.has_clock().then(|| recorder.state());
         let (zero, one) = (Expression::constant(0.0), Expression::constant(1.0));
         // A parameter that is 0 often removes whole terms.
         let parameters = instance.definition.parameters.iter().zip(&self.values);
@@ -92,7 +91,7 @@ impl WrittenSystem {
             (Some(time), None) => [time, one],
             (None, _) => [zero; 2],
         };
-        let stage: Vec<_> = self.stage.iter().map(|_| recorder.parameter("stage")).collect();
+        let stage = self.stage.map(|_| recorder.parameter("stage"));
         let parameters = self.parameters_at(&values, &stage, time);
         let at_rest = instance.named(|_| [zero; 2]);
         let base = NamedValues {
@@ -216,48 +215,56 @@ impl WrittenSystem {
     pub fn parameters_at<T: Scalar>(
         &self,
         values: &[T],
-        stage: &[T],
+        stage: &GivenTerms<T>,
         time: T,
     ) -> Vec<(&str, usize, T)> {
-        let Some((before, terms)) = stage.split_first() else {
-            return self.instance.parameters(values, time);
-        };
-        // The polynomials by Horner's rule: the angle, the speed and the acceleration.
-        let sum = |factor: fn(f64) -> f64, from: usize| {
-            let later = terms.iter().zip([1.0, 2.0, 3.0, 4.0]).skip(from).rev();
-            later.fold(T::constant(0.0), |sum, (term, power)| {
-                sum * time + T::constant(factor(power)) * *term
-            })
-        };
-        let angle = *before + sum(|power| 1.0 / power, 0) * time;
-        let turned = [angle, sum(|_| 1.0, 0), sum(|power| power - 1.0, 1)];
-        self.instance.parameters_and_angle(values, Some(turned))
+        let speed = self.instance.definition.speed_place().map(|place| values[place]);
+        let turned = stage.turned_at(speed, time);
+        self.instance.parameters_and_motions(values, turned, stage.given_at(time))
     }
 
-    /// Returns the system while its part turns as in a stage: after this angle, with these coefficients of the speed as a
-    /// polynomial of the time since the begin of the stage, rad and s. Units are those of the system.
-    pub fn in_stage(&self, before_rad: f64, terms: &[f64], fastest_rad_s: f64) -> Self {
+    /// Returns whether the last component of a state is the time.
+    pub fn has_clock(&self) -> bool {
+        self.instance.definition.uses_time || self.stage.given_moves()
+    }
+
+    /// Returns the system in a stage of its run.
+    pub fn in_stage(&self, stage: &StageMotion) -> Self {
         let second = self.scales.unit([0, 0, WHOLE]);
-        let mut unit = 1.0;
-        let scaled = terms.iter().map(|term| {
-            unit *= second;
-            term * unit
-        });
         let definition = self.instance.definition;
+        let given = definition.motions.iter().map(|WrittenMotion { motion, unit, .. }| {
+            let size = self.scales.unit(unit.dimension);
+            let terms = motion.terms_from(stage.begins_s).into_iter();
+            terms.zip(0..).map(|(term, power)| term * second.powi(power) / size).collect()
+        });
+        let given: Vec<Vec<f64>> = given.collect();
+        let Some((before_rad, speed)) = &stage.turning else {
+            let stage = GivenTerms { turned: Vec::new(), given };
+            return self.with_stage(stage, self.rates, self.period);
+        };
+        let count = speed.terms.iter().rposition(|term| *term != 0.0).map_or(1, |last| last + 1);
+        let end = speed.speed_rad_s(if speed.lasts_s.is_finite() { speed.lasts_s } else { 0.0 });
+        let fastest_rad_s = speed.terms[0].abs().max(end.abs());
+        let terms = &speed.terms[..count];
+        let scaled = terms.iter().zip(1..).map(|(term, power)| term * second.powi(power));
         // The angle after which all formulas repeat.
         let repeats_rad = match (&definition.period, definition.speed_place(), self.period) {
             (Some(_), Some(place), Some(period)) => period * self.values[place].abs(),
             _ => TAU,
         };
-        let stage: Vec<f64> = std::iter::once(before_rad % repeats_rad).chain(scaled).collect();
+        let turned = std::iter::once(before_rad % repeats_rad).chain(scaled).collect();
         let is_constant = terms.len() == 1;
-        let fastest = fastest_rad_s.abs() * second;
+        let fastest = fastest_rad_s * second;
         let period = self.period.map(|_| repeats_rad / fastest);
         let rates = [self.rates[0].max(fastest), self.rates[1]];
+        self.with_stage(GivenTerms { turned, given }, rates, period.filter(|_| is_constant))
+    }
+
+    fn with_stage(&self, stage: GivenTerms<f64>, rates: [f64; 2], period: Option<f64>) -> Self {
         let mut system = WrittenSystem {
+            period: period.filter(|_| !stage.given_moves()),
             stage,
             rates,
-            period: period.filter(|_| is_constant),
             has_one_solution: false,
             measured: OnceLock::new(),
             ..self.clone()
@@ -295,7 +302,7 @@ impl System for WrittenSystem {
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
         let mut inputs = self.values.clone();
         inputs.extend(self.period.iter().flat_map(|period| [period / TAU, TAU / period]));
-        inputs.extend(&self.stage);
+        inputs.extend(self.stage.all());
         if self.instance.definition.uses_accelerations {
             inputs.extend(self.instance.coordinates.iter().map(|_| 0.0));
         }
@@ -311,7 +318,8 @@ impl System for WrittenSystem {
         let numbers = [self.number, self.instance.coordinates.len()].into_iter();
         let counts = self.instance.bodies.counts.iter().map(|(_, count)| *count as usize);
         let units = self.scales.0.map(|exponent| exponent.cast_unsigned() as usize);
-        let form = [self.stage.len(), usize::from(self.period.is_some())];
+        let form = [self.stage.turned.len(), usize::from(self.period.is_some())].into_iter();
+        let form = form.chain(self.stage.given.iter().map(Vec::len));
         let force_units = self.force_units.iter().map(|unit| unit.to_bits() as usize);
         let zeros = self.values.iter().map(|value| usize::from(*value == 0.0));
         let speeds = self.speeds.iter().map(|speed| match speed {

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::notations;
+use super::values::{TableKey, notations};
 use super::yaml_tree::describe_number;
 
 /// A mechanical system: `M q'' = force + contacts`.
@@ -38,6 +38,9 @@ pub(in crate::study) struct SystemFile {
     /// Quantities that follow from the parameters alone, by name, such as a speed limit; `check` shows them.
     #[serde(default)]
     pub derived: IndexMap<String, DerivedEntry>,
+    /// Motions that tables give over time, by name.
+    #[serde(default)]
+    pub motions: IndexMap<String, MotionEntry>,
     /// Pictures for the animation of a run, by name.
     #[serde(default)]
     pub draw: IndexMap<String, ViewEntry>,
@@ -138,6 +141,20 @@ pub(in crate::study) struct CoordinateEntry {
     pub enlarged: bool,
     /// What it is, in a few words.
     #[serde(default)]
+    pub meaning: String,
+}
+
+/// A motion that a table gives over time: a cubic spline through its rows.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct MotionEntry {
+    /// Its unit, such as `m` or `rad`; by default, none.
+    pub unit: Option<String>,
+    /// A table with the columns `time [s]` and the name of the motion with its unit. Times grow from 0.
+    pub table: TableKey,
+    /// What it is, in a few words.
+    #[serde(default)]
+    #[expect(dead_code, reason = "`check` prints it from the keys of the file")]
     pub meaning: String,
 }
 

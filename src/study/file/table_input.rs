@@ -10,6 +10,7 @@ use crate::study::file::quantity::Conversion;
 use crate::study::file::source::SourcePath;
 use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
 use crate::study::file::values::{Entry, InlineTable, TableKey};
+use crate::study::file::yaml_tree::describe_number;
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
 
 /// A table whose column names are valid and distinct.
@@ -31,6 +32,34 @@ struct TableFile {
     path: PathBuf,
     /// The line number of each row if the table comes from a text file.
     lines: Option<Vec<usize>>,
+}
+
+/// Returns the rows of a table of times and values, whose times grow from 0; `names` are those of its columns.
+pub(in crate::study) fn values_over_time(
+    folders: &TableFolders,
+    path: &SourcePath<'_>,
+    table: &TableKey,
+    names: [String; 2],
+) -> Result<Vec<[f64; 2]>, StudyError> {
+    let read = Rows::read(folders, path, table, &names)?;
+    let numbers = read.numbers(&names)?;
+    let mut rows: Vec<[f64; 2]> = Vec::new();
+    for (row, values) in numbers.iter().enumerate() {
+        let values = [values[0], values[1]];
+        let sound = rows.last().map_or(values[0] == 0.0, |before| values[0] > before[0]);
+        if !sound {
+            let allowed = "0 in the first row, then later times";
+            let fault =
+                Fault::new("times do not ascend from 0", describe_number(values[0]), allowed);
+            return Err(read.refuse(Some(row), read.column(&names[0]), fault));
+        }
+        rows.push(values);
+    }
+    if rows.len() < 2 {
+        let fault = Fault::new("one row only", "1 row", "two rows or more");
+        return Err(read.refuse(None, None, fault));
+    }
+    Ok(rows)
 }
 
 /// Creates a table from rows in memory, with one value per column, `None` if it is missing.

@@ -7,7 +7,7 @@ use crate::study::file::stages_file::{
     DirectionFile, DisturbanceFile, KickFile, ProfilePartFile, RampFile,
 };
 use crate::study::file::table_folders::TableFolders;
-use crate::study::file::table_input::Rows;
+use crate::study::file::table_input::values_over_time;
 use crate::study::file::values::TableKey;
 use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::MOST_MEMBERS;
@@ -127,26 +127,7 @@ fn speeds(
     path: &SourcePath<'_>,
     table: &TableKey,
 ) -> Result<Vec<[f64; 2]>, StudyError> {
-    let names = COLUMNS.map(str::to_owned);
-    let read = Rows::read(folders, path, table, &names)?;
-    let numbers = read.numbers(&names)?;
-    let mut rows: Vec<[f64; 2]> = Vec::new();
-    for (row, values) in numbers.iter().enumerate() {
-        let values = [values[0], values[1]];
-        let sound = rows.last().map_or(values[0] == 0.0, |before| values[0] > before[0]);
-        if !sound {
-            let allowed = "0 in the first row, then later times";
-            let fault =
-                Fault::new("times do not ascend from 0", describe_number(values[0]), allowed);
-            return Err(read.refuse(Some(row), read.column(COLUMNS[0]), fault));
-        }
-        rows.push(values);
-    }
-    if rows.len() < 2 {
-        let fault = Fault::new("one row only", "1 row", "two rows or more");
-        return Err(read.refuse(None, None, fault));
-    }
-    Ok(rows)
+    values_over_time(folders, path, table, COLUMNS.map(str::to_owned))
 }
 
 fn check_number(path: &SourcePath<'_>, number: usize, what: &str) -> Result<(), StudyError> {

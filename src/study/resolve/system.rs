@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::model::{
-    Bound, FaultAt, Formula, FormulaFault, IndexedName, ModelKind, SystemDefinition, WHOLE,
-    WrittenCoordinate, WrittenDerived, WrittenOutput, WrittenParameter, WrittenTurning,
-    WrittenUnit, written_kind,
+    Bound, FaultAt, Formula, FormulaFault, GivenMotion, IndexedName, ModelKind, SystemDefinition,
+    WHOLE, WrittenCoordinate, WrittenDerived, WrittenMotion, WrittenOutput, WrittenParameter,
+    WrittenTurning, WrittenUnit, unit_ending, written_kind,
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
@@ -16,13 +16,18 @@ use crate::study::file::key_units::split_unit;
 use crate::study::file::quantity::{convert, split_number, unit_of};
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::system_file::{
-    BoundFile, CoordinateEntry, DerivedEntry, DerivedKeys, Ends, FormulaText, OutputKeys,
-    ParameterKeys, SystemFile,
+    BoundFile, CoordinateEntry, DerivedEntry, DerivedKeys, Ends, FormulaText, MotionEntry,
+    OutputKeys, ParameterKeys, SystemFile,
 };
 use crate::study::file::table_folders::TableFolders;
+use crate::study::file::table_input::values_over_time;
 use crate::study::file::unit_keys::Names;
+use crate::study::file::values::TableKey;
 use crate::study::file::yaml_tree::{Content, YamlNode};
 use crate::tabular::to_text;
+
+/// The largest number of rows of a motion over time: each begins a stage of a run.
+const MOST_ROWS: usize = 10_000;
 
 /// The largest number of bodies that an index counts.
 const MOST_BODIES: u64 = 64;
@@ -51,7 +56,8 @@ pub(in crate::study) fn read_system(
             let (file, bytes) = folders.read(name).map_err(refuse)?;
             let text = to_text(bytes).map_err(|fault| StudyError::about_file(&file, fault))?;
             let inner = Source::new(&file, text).map_err(|error| with_hint(error, true))?;
-            definition(&inner)?
+            let beside = Path::new(name).parent().unwrap_or(Path::new(""));
+            definition(&inner, folders, beside)?
         }
         Content::Map(_) => {
             let inner = Source {
@@ -60,7 +66,7 @@ pub(in crate::study) fn read_system(
                 root: node.clone(),
                 units: Vec::new(),
             };
-            definition(&inner)?
+            definition(&inner, folders, Path::new(""))?
         }
         _ => {
             let allowed = "the name of a system file, or the keys of one";
@@ -87,8 +93,7 @@ pub(in crate::study) fn read_system(
 /// # Panics
 /// Panics if the file has a fault, which a test of all kinds of models finds.
 pub(in crate::study) fn built_in_system(file: &str, text: &str) -> &'static ModelKind {
-    let source = Source::new(Path::new(file), text.to_owned());
-    let definition = source.and_then(|source| definition(&source));
+    let definition = of_text(Path::new(file), text);
     let definition = definition.unwrap_or_else(|error| panic!("{error}"));
     written_kind(definition, true).0
 }
@@ -98,17 +103,26 @@ pub(in crate::study) fn built_in_system(file: &str, text: &str) -> &'static Mode
 /// # Errors
 /// Returns what is wrong in the text of the file.
 pub fn system_in_latex(text: &str) -> Result<Option<String>, StudyError> {
-    let source = Source::new(Path::new("system"), text.to_owned())?;
-    Ok(definition(&source)?.latex())
+    Ok(of_text(Path::new("system"), text)?.latex())
 }
 
-/// Reads and checks the keys of a system.
-fn definition(source: &Source) -> Result<SystemDefinition, StudyError> {
+/// Reads and checks a system file.
+fn of_text(file: &Path, text: &str) -> Result<SystemDefinition, StudyError> {
+    let (source, folders) = (Source::new(file, text.to_owned())?, TableFolders::new(file, &[])?);
+    definition(&source, &folders, Path::new(""))
+}
+
+/// Reads and checks the keys of a system. Tables are relative to the folder `beside`.
+fn definition(
+    source: &Source,
+    folders: &TableFolders,
+    beside: &Path,
+) -> Result<SystemDefinition, StudyError> {
     let file: SystemFile = decode(source, &Names::default(), None).map_err(|error| {
         let is_cut = error.found().is_some_and(|found| found.contains([')', ']', '}']));
         with_hint(error, is_cut)
     })?;
-    let reader = Reader { source };
+    let reader = Reader { source, folders, beside };
     let mut definition = reader.definition(&file)?;
     definition.check().map_err(|fault| reader.refuse(fault))?;
     Ok(definition)
@@ -136,6 +150,9 @@ fn with_hint(error: StudyError, is_cut: bool) -> StudyError {
 /// Reads the parts of a system.
 pub(super) struct Reader<'s> {
     source: &'s Source,
+    folders: &'s TableFolders,
+    /// The folder of the system file, relative to the study.
+    beside: &'s Path,
 }
 
 impl<'s> Reader<'s> {
@@ -219,6 +236,17 @@ impl<'s> Reader<'s> {
             let (within, usual) = (range("within", within)?, range("usual", usual)?);
             derived.push(WrittenDerived { quantity, within, usual });
         }
+        let mut keys = plain(&self.source.root);
+        let mut motions = Vec::new();
+        for (name, entry) in &file.motions {
+            let motion = self.motion(name, entry)?;
+            // The study of finished results has the rows of its tables.
+            keys["motions"][name]["table"] = json!({
+                "columns": motion_columns(name, &motion.unit),
+                "rows": motion.motion.rows(),
+            });
+            motions.push(motion);
+        }
         let draw = file.draw.iter().map(|(name, entry)| self.view(name, entry, file));
         let draw = draw.collect::<Result<Vec<_>, StudyError>>()?;
         let turning = file.turning.iter().next();
@@ -255,6 +283,7 @@ impl<'s> Reader<'s> {
             contacts,
             outputs,
             derived,
+            motions,
             draw,
             turning: turning.map(|(angle, speed)| WrittenTurning {
                 angle: angle.clone(),
@@ -263,7 +292,7 @@ impl<'s> Reader<'s> {
             period: period.transpose()?,
             uses_time: false,
             uses_accelerations: false,
-            source: plain(&self.source.root),
+            source: keys,
         })
     }
 
@@ -329,6 +358,29 @@ impl<'s> Reader<'s> {
             return Err(refuse(Fault::new("not an SI unit", shorten(written), allowed)));
         }
         Ok(unit)
+    }
+
+    /// Reads a motion that a table gives over time.
+    fn motion(&self, name: &str, entry: &MotionEntry) -> Result<WrittenMotion, StudyError> {
+        let path = self.path(&["motions", name]);
+        let remedy = "; the columns of the table may have other units, as in `road [mm]`";
+        let unit = self.si_unit(&path, entry.unit.as_deref().unwrap_or("1"), remedy)?;
+        self.check_ending(&path, name, &unit)?;
+        let names = motion_columns(name, &unit);
+        let table = match &entry.table {
+            TableKey::File(name) => TableKey::File(self.beside.join(name).display().to_string()),
+            inline @ TableKey::Inline(_) => inline.clone(),
+        };
+        let rows = values_over_time(self.folders, &path.key("table"), &table, names)?;
+        if rows.len() > MOST_ROWS {
+            let fault = Fault::new(
+                "too long a table",
+                rows.len().to_string(),
+                format!("at most {MOST_ROWS} rows"),
+            );
+            return Err(path.key("table").refuse_value(fault));
+        }
+        Ok(WrittenMotion { name: name.to_owned(), unit, motion: GivenMotion::new(rows) })
     }
 
     fn coordinate(
@@ -487,6 +539,11 @@ fn refuse(path: &SourcePath<'_>, text: &str, fault: FormulaFault) -> StudyError 
         }
     };
     path.refuse_value(Fault::new(problem, found, allowed))
+}
+
+/// Returns the names of the columns of a motion over time.
+fn motion_columns(name: &str, unit: &WrittenUnit) -> [String; 2] {
+    ["time_s".to_owned(), format!("{name}{}", unit_ending(&unit.si))]
 }
 
 /// Returns a tree as plain values.
