@@ -32,6 +32,9 @@ const TIE: f64 = 1e-14;
 /// released.
 const RELEASE: f64 = 10.0;
 
+/// Static friction and that in slip are equal if they differ by at most this fraction.
+const SAME_FRICTION: f64 = 1e-9;
+
 /// Returns the rounding tolerance of the conditions, as a force.
 pub(super) fn tie(force_scale: f64) -> f64 {
     TIE * force_scale
@@ -61,9 +64,14 @@ pub(super) fn decide<R>(
         }
         Phase::Slip(direction) => {
             let acceleration = direction * forces[contact].acceleration;
+            let limit = system.limit(contact) * forces[contact].normal;
+            // Static friction above that in slip holds a contact that could also slip: it sticks. Where one solution is sure, stick
+            // is tried first.
+            let has_reserve = limit > (1.0 + SAME_FRICTION) * forces[contact].friction.abs();
+            let may_rest = has_reserve && !system.has_one_solution();
             // If the acceleration is zero up to rounding, the condition for rest decides.
-            let sets_off = acceleration > tie
-                || (acceleration >= -tie && !rests(system, phases, contact, tie));
+            let sets_off = acceleration > tie && !may_rest
+                || acceleration >= -tie && !rests(system, phases, contact, tie);
             (!sets_off).then_some(Phase::Stick)
         }
     };

@@ -150,7 +150,7 @@ impl<'a> TouchingSystem<'a> {
         }
         let system = self.evaluator.system();
         let of_contacts = (0..contacts).map(|contact| (system.friction(contact), speeds[contact]));
-        let first = first_phases(self.settings.method, self.settings.band, of_contacts);
+        let first = first_phases(self.settings.method, self.settings.band, of_contacts, &[]);
         phases[..contacts].copy_from_slice(&first);
         for (index, opening) in self.openings.iter().enumerate() {
             if !impact.together.contains(&ImpactPlace::Opening(index)) {

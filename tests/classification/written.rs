@@ -193,6 +193,44 @@ fn a_shaken_block_slides_as_far_as_by_small_steps() {
     assert!(page.replace('\n', " ").contains(&words), "{words}");
 }
 
+/// Sliding speeds that contain the time, of contacts with static friction above kinetic friction: no run fails, and rows of a table
+/// at which a contact sticks are no switches.
+#[test]
+fn sliding_speeds_with_the_time_are_decided() {
+    let rows = (0..=60).map(|row| f64::from(row) / 20.0);
+    let rows =
+        rows.map(|time| format!("[{time}, {}]", 0.2 * (1.0 - (2.0 * time).cos()) * (3.0 - time)));
+    let rows = rows.collect::<Vec<String>>().join(", ");
+    let table =
+        format!("motions: {{g: {{unit: m, table: {{columns: [time_s, g_m], rows: [{rows}]}}}}}}");
+    let ramp = "  speed_profile: [{ramp: {from: 10 rpm, over: 2 s}}, {hold: 1 s}]\n";
+    let mut switches = Vec::new();
+    for (keys, sliding, speed, profile, method) in [
+        (table.as_str(), "x' - g'", "0.05 m/s", "", "event"),
+        (table.as_str(), "x' - g'", "0.05 m/s", "", "switch"),
+        ("turning: {theta: speed}", "x' - r * theta'", "0.05 m/s", ramp, "event"),
+        ("period: 2 * pi / w", "x' - v * cos(w * t)", "0", "", "event"),
+    ] {
+        let study = parse(format!(
+            "schema: 1\nname: a\nseed: 1\nmodel:\n  system:\n    system: a\n    {keys}\n\
+             \x20   parameters: {{m: 1 kg, k: 400 N/m, c: 2 N s/m, load: 10 N, v: 0.2 m/s, w: 7 rad/s, r: 0.12 m, speed: 60 rpm}}\n\
+             \x20   coordinates: {{x: {{unit: m, start: [-0.02, 0.02]}}}}\n    mass: {{x: {{x: m}}}}\n    force: {{x: -k * x - c * x'}}\n\
+             \x20   contacts: {{pad: {{normal: load, sliding: \"{sliding}\", friction: {{stribeck: {{coefficient: 0.2, \
+             static_coefficient: 0.3, stribeck_speed: {speed}}}}}}}}}\n{profile}\
+             initial_conditions: {{design: {{latin_hypercube: {{samples: 8}}}}}}\n\
+             simulation: {{method: {method}{}}}\n",
+            if profile.is_empty() { ", end_time_s: 12" } else { "" }
+        ));
+        let outcomes: Vec<Outcome> = cases_of(&study).iter().map(simulate).collect();
+        let failed = outcomes.iter().find(|outcome| outcome.label() == Label::Failed);
+        assert!(failed.is_none(), "{sliding}, {method}: {failed:?}");
+        switches.push(outcomes.iter().map(|outcome| outcome.effort.switches).sum::<u64>());
+    }
+    // The switch model counts up to twice as many, because a contact that sets off passes the band. There are none at the 60 rows.
+    let [event, switch] = [switches[0], switches[1]];
+    assert!(event <= switch && switch <= 2 * event && event < 60, "{switches:?}");
+}
+
 /// A motion that rests at 0 changes nothing, although its rows divide the ramp of a shaft into stages.
 #[test]
 fn a_motion_may_stand_beside_a_part_that_turns() {

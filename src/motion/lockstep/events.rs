@@ -92,8 +92,9 @@ fn decide<S: Vector, K: Kernel<S>>(
                 }
             }
             let system = run.system.as_ref();
-            *phases = kernel
-                .with_force_model(lane, run, state, |at| start_phases(system, run.settings, at))?;
+            *phases = kernel.with_force_model(lane, run, state, |at| {
+                start_phases(system, run.settings, at, &[])
+            })?;
             return Ok(None);
         }
         Condition::Gap(_) | Condition::Landing(_) => {
@@ -133,17 +134,15 @@ fn decide<S: Vector, K: Kernel<S>>(
         }
         Method::Event => {
             let (at_rest, stopped) = event_driven::stop(phases, speed, stops_at_once(contact));
-            for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
-                match (kernel.coordinates(contact).1, kernel.shifted(contact)) {
-                    (Some(component), _) => state[component] = 0.0,
-                    (None, Some(component)) => {
-                        let mut unit = Components::from_elem(0.0, state.len());
-                        unit[component] = 1.0;
-                        state[component] -= kernel.with_force_model(lane, run, state, |at| {
-                            at.speed(contact) / at.speed_along(contact, &unit)
-                        });
+            for (contact, stopped) in stopped.into_iter().enumerate() {
+                match kernel.coordinates(contact).1 {
+                    Some(component) if stopped => state[component] = 0.0,
+                    // A sliding speed that is no component drifts while its contact sticks, by rounding and by the error of steps.
+                    // The law of friction would take what is left for slip.
+                    None if stopped || at_rest[contact] => {
+                        hold(kernel, (lane, run), state, contact)
                     }
-                    (None, None) => {}
+                    _ => {}
                 }
             }
             kernel.with_force_model(lane, run, state, |at| {
@@ -152,6 +151,29 @@ fn decide<S: Vector, K: Kernel<S>>(
         }
     }
     Ok(None)
+}
+
+/// Makes the sliding speed of a contact zero, by a change of the velocity on which it depends most.
+fn hold<S: Vector, K: Kernel<S>>(
+    kernel: &K,
+    (lane, run): (usize, &Lane),
+    state: &mut Components,
+    contact: usize,
+) {
+    let along = |component: usize| {
+        let mut unit = Components::from_elem(0.0, state.len());
+        unit[component] = 1.0;
+        kernel.with_force_model(lane, run, state, |at| at.speed_along(contact, &unit))
+    };
+    let layout = kernel.evaluator(lane).map(|evaluator| &evaluator.graph().layout);
+    let velocities = layout.iter().flat_map(|layout| layout.velocities.iter().flatten().copied());
+    let largest = || velocities.max_by(|a, b| along(*a).abs().total_cmp(&along(*b).abs()));
+    let Some(component) = kernel.shifted(contact).or_else(largest) else { return };
+    let factor = along(component);
+    let speed = kernel.with_force_model(lane, run, state, |at| at.speed(contact));
+    if factor != 0.0 {
+        state[component] -= speed / factor;
+    }
 }
 
 /// Calls `with` with the equations of the system in a lane.

@@ -14,7 +14,7 @@ use crate::motion::force_model::RecordedForces;
 use crate::motion::stick_slip::start_phases;
 use crate::motion::touching_system::TouchingSystem;
 use crate::motion::{
-    Effort, Evaluator, Failure, PerContact, Phases, SINGULAR, SLOW, Settings, any_closed,
+    Effort, Evaluator, Failure, PerContact, Phase, Phases, SINGULAR, SLOW, Settings, any_closed,
 };
 
 /// A run taken out of its lane, which can be put into any lane.
@@ -47,6 +47,16 @@ impl SavedRun {
         settings: Settings,
         state: &[f64],
     ) -> Result<Self, Failure> {
+        SavedRun::begin(evaluator, system, settings, (state, &[]))
+    }
+
+    /// Creates a run in a state, with the phases until now, if there are some.
+    fn begin(
+        evaluator: impl FnOnce() -> Evaluator,
+        system: &Arc<dyn System>,
+        settings: Settings,
+        (state, until_now): (&[f64], &[Phase]),
+    ) -> Result<Self, Failure> {
         let mut start: Components = state.into();
         if system.smallest_inertia(state) < SINGULAR {
             return Err(Failure::IndefiniteMass);
@@ -57,7 +67,7 @@ impl SavedRun {
         let contacts = system.contacts();
         let by_tuned = || {
             let tuned = tuned::with_balancer_forces(system, surely_one_solution, state, |at| {
-                start_phases(system.as_ref(), settings, at)
+                start_phases(system.as_ref(), settings, at, until_now)
             });
             tuned.map(|phases| Ok((phases?, None, tuned::angles(contacts).collect(), false)))
         };
@@ -70,7 +80,7 @@ impl SavedRun {
                 }
                 None => {
                     let at = RecordedForces::new(&evaluator, state);
-                    (start_phases(system.as_ref(), settings, &at)?, None)
+                    (start_phases(system.as_ref(), settings, &at, until_now)?, None)
                 }
             };
             let layout = evaluator.graph().layout.contacts.iter();
@@ -139,8 +149,9 @@ impl SavedRun {
         state: &[f64],
         lifted: u32,
     ) -> Result<Self, Failure> {
-        let started = SavedRun::start(system, self.lane.settings, state)?;
         let before = &self.lane;
+        let evaluator = || Evaluator::new(Arc::clone(system));
+        let started = SavedRun::begin(evaluator, system, before.settings, (state, &before.phases))?;
         let mut lane = Lane {
             last_switches: before.last_switches.clone(),
             switches: before.switches,
