@@ -345,10 +345,10 @@ impl PyStudy {
     }
 }
 
-/// Returns the equations of a system file in LaTeX; nothing for a file with a fault.
+/// Returns the equations of a system file in a folder in LaTeX; nothing for a file with a fault.
 #[pyfunction]
-pub fn _latex(text: &str) -> Option<String> {
-    stickslip::study::system_in_latex(text).ok().flatten()
+pub fn _latex(text: &str, folder: PathBuf) -> Option<String> {
+    stickslip::study::system_in_latex(text, &folder)
 }
 
 /// Creates a study from its resolved study file.

@@ -37,6 +37,7 @@ class System(Mapping[str, Any]):
         if not isinstance(keys, Mapping):
             raise _wrong("keys", type(keys).__name__, "a dict with the keys of a system file")
         self._keys: dict[str, Any] = _plain("", keys)
+        self._folder = "."
 
     @classmethod
     def from_dict(cls, keys: Mapping[str, Any]) -> System:
@@ -58,7 +59,9 @@ class System(Mapping[str, Any]):
             node = yaml.compose(Path(path).read_text(encoding="utf-8"), yaml.BaseLoader)
         except yaml.YAMLError as error:
             raise ValueError(f"{path}: {error}") from error
-        return cls(_value(str(path), node))
+        system = cls(_value(str(path), node))
+        system._folder = str(Path(path).parent)
+        return system
 
     @classmethod
     def from_sympy(
@@ -131,8 +134,8 @@ class System(Mapping[str, Any]):
         return f"<stickslip.System {self._keys.get('system')}: {', '.join(counts)}>"
 
     def _repr_latex_(self) -> Optional[str]:
-        """Returns the equations of motion for notebooks; nothing if a study would refuse the system."""
-        shown: Optional[str] = import_module("._stickslip", __package__)._latex(self.to_yaml())
+        """Returns the equations of motion for notebooks; nothing if a study in the folder of its file would refuse it."""
+        shown: Optional[str] = import_module("._stickslip", __package__)._latex(self.to_yaml(), self._folder)
         return shown
 
 

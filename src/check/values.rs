@@ -284,10 +284,10 @@ impl FindingPoint<'_> {
 
     /// Motions of tables, of which a run must see the end.
     fn motions(&self, model: &Model) -> Option<Finding> {
-        let [_, end_s] = self.study.simulation().end_times_s();
-        let begins_s = model.last_stage_begins_s();
-        let is_cut = !model.given_motions().is_empty() && end_s <= begins_s;
-        is_cut.then(|| Finding {
+        let end_s = model.end_time_s().unwrap_or(self.study.simulation().end_time_s);
+        let ends = model.given_motions().into_iter().filter_map(|motion| motion.times_s().last());
+        let begins_s = ends.fold(0.0, f64::max);
+        (end_s < begins_s).then(|| Finding {
             kind: "motion_beyond_end",
             key: "simulation.end_time_s".to_owned(),
             problem: "runs end within a motion of a table".to_owned(),

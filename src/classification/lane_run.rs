@@ -205,7 +205,9 @@ impl LaneRun {
             Err(failure) => return self.end_with(group, lane, Ending::Failure(failure)),
         };
         let view = view_of(stage);
-        let ended = self.stages.outcome(&LaneStep { group, lane, view: &self.view }, &self.units);
+        let ended =
+            || self.stages.outcome(&LaneStep { group, lane, view: &self.view }, &self.units);
+        let ended = (!stage.continues).then(ended);
         self.stages.next(ended, lifted);
         self.view = view;
         if self.stages.is_last() {

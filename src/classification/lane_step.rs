@@ -47,6 +47,11 @@ impl<'a> LaneStep<'a> {
         self.group.hits(self.lane)
     }
 
+    /// Returns the contacts that were apart and have hit at the end of the step or, before the first step, at the start.
+    pub(super) fn landed(&self) -> &'a [usize] {
+        self.group.landed(self.lane)
+    }
+
     /// Returns the state at the step's end, before an event that resets it, with angles not reduced to one turn.
     pub(super) fn end(&self) -> Components {
         self.group.end_of_step(self.lane)

@@ -12,7 +12,7 @@ use super::gap_sample::{GapSample, Touch, gap_samples, touches};
 use super::lane_step::LaneStep;
 use super::system_view::SystemView;
 use crate::model::Components;
-use crate::motion::{Effort, Hit, Instant, Phase};
+use crate::motion::{Effort, Instant, Phase};
 
 /// The recorded instants.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +85,8 @@ pub struct RecordedRun {
     /// All impacts between contacts in chronological order, as many as counted in the outcome, and where contacts that
     /// touch separate.
     pub touches: Vec<Touch>,
+    /// The times at which contacts that were apart have hit, with the contact, counted from 0.
+    pub landings: Vec<(f64, usize)>,
     /// Whether the limit of the recorder was exceeded.
     pub cut_off: bool,
 }
@@ -133,7 +135,8 @@ impl RunRecorder {
 
     /// Rewinds to the time at which the run had cost `effort`.
     pub(super) fn rewind(&mut self, time: f64, effort: Effort) {
-        let RecordedRun { samples, switches, touches, cut_off } = &mut self.recording;
+        let RecordedRun { samples, switches, touches, landings, cut_off } = &mut self.recording;
+        landings.truncate(landings.partition_point(|(landed, _)| *landed <= time));
         samples.truncate(samples.partition_point(|sample| sample.step <= effort.steps));
         switches.truncate(usize::try_from(effort.switches).unwrap_or(usize::MAX));
         touches.truncate(touches.partition_point(|touch| touch.time <= time));
@@ -155,7 +158,7 @@ impl RunRecorder {
             if first {
                 self.push(view, 0, &now);
             }
-            self.touches(view, step.hits(), [&now, &now]);
+            self.touches(step, [&now, &now]);
         }
         if let Some(before) = self.left.take() {
             self.enters(step, &before);
@@ -190,7 +193,7 @@ impl RunRecorder {
         }
         if let Some(before) = step.before_switch() {
             self.switches(view, &before, &step.now());
-            self.touches(view, step.hits(), [&before, &step.now()]);
+            self.touches(step, [&before, &step.now()]);
         }
         (self.time, self.effort) = (step.time(), effort);
     }
@@ -208,7 +211,7 @@ impl RunRecorder {
             self.push(view, step.effort().steps, &now);
         }
         self.switches(view, before, &now);
-        self.touches(view, step.hits(), [before, &now]);
+        self.touches(step, [before, &now]);
     }
 
     fn switches(&mut self, view: &SystemView, before: &Instant, after: &Instant) {
@@ -227,8 +230,12 @@ impl RunRecorder {
         }
     }
 
-    fn touches(&mut self, view: &SystemView, hits: &[Hit], [before, after]: [&Instant; 2]) {
-        for touch in touches(view, hits, before, after) {
+    fn touches(&mut self, step: &LaneStep, [before, after]: [&Instant; 2]) {
+        let landed = step.landed().iter().map(|contact| (after.time, *contact));
+        let left = self.most.saturating_sub(self.recording.landings.len());
+        self.recording.cut_off |= landed.len() > left;
+        self.recording.landings.extend(landed.take(left));
+        for touch in touches(step.view, step.hits(), before, after) {
             if self.recording.touches.len() >= self.most {
                 self.recording.cut_off = true;
                 return;

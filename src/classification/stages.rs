@@ -122,12 +122,14 @@ impl Stages {
 
     /// Goes on to the next stage, after what happened in the present one. `lifted` is the number of balls that the kick at
     /// the begin of the next one lifts off.
-    pub(super) fn next(&mut self, ended: StageOutcome, lifted: u32) {
-        self.ended.push(ended);
-        self.peak_before = self.peak_before.or(self.peak);
-        self.peak = Peak::default();
-        self.lifted = lifted;
+    pub(super) fn next(&mut self, ended: Option<StageOutcome>, lifted: u32) {
         self.present += 1;
+        if let Some(ended) = ended {
+            self.ended.push(ended);
+            self.peak_before = self.peak_before.or(self.peak);
+            self.peak = Peak::default();
+            self.lifted = lifted;
+        }
     }
 
     /// Returns the next stage.
@@ -151,6 +153,10 @@ impl Stages {
     /// Returns what has happened in the present stage until the latest step.
     pub(super) fn outcome(&self, step: &LaneStep, units: &Units) -> StageOutcome {
         let stage = self.present();
+        let mut until_now = self.all[..=self.present].iter().rev();
+        let first = until_now.find(|stage| !stage.continues).unwrap_or(stage);
+        let [[begin, _], [_, end]] =
+            [first, stage].map(|stage| stage.speeds_rad_s.unwrap_or_default());
         let LaneStep { group, lane, view } = *step;
         let state = group.state(lane);
         let phases = group.phases(lane);
@@ -159,8 +165,8 @@ impl Stages {
         let forms = view.rest_forms().filter(|_| !stage.is_driven);
         let outputs = view.system().outputs(&state).into_iter().zip(&units.outputs);
         StageOutcome {
-            time_s: [stage.begins_s, step.time() / units.natural_rad_s],
-            speed_rad_s: stage.speeds_rad_s.unwrap_or_default(),
+            time_s: [first.begins_s, step.time() / units.natural_rad_s],
+            speed_rad_s: [begin, end],
             is_last: self.is_last(),
             is_kicked: stage.is_kicked,
             lifted_off: self.lifted,

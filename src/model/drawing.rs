@@ -28,7 +28,7 @@ pub struct DrawnQuantity {
     pub angular: bool,
     /// Whether the page may enlarge it, because it is small beside the machine.
     pub enlarged: bool,
-    /// The contact, counted from 0, whose position it is.
+    /// The contact, counted from 0, whose angle it is.
     pub contact: Option<usize>,
 }
 

@@ -7,8 +7,8 @@ use super::given_motion::shifted;
 use super::invalid_parameter::{InvalidParameter, invalid};
 use super::parameter_name::member_name;
 use super::{
-    Components, DiscMotion, Machine, Model, OwnModel, SPEED_TERMS, SpeedSegment, StageMotion,
-    Start, System,
+    Components, DiscMotion, Machine, Model, OwnModel, SPEED_TERMS, Simulation, SpeedSegment,
+    StageMotion, Start, System,
 };
 
 /// A stage of a run.
@@ -22,11 +22,13 @@ pub struct Stage {
     pub speeds_rad_s: Option<[f64; 2]>,
     /// Whether the table is kicked at its begin.
     pub is_kicked: bool,
+    /// Whether it begins at a row of a motion that goes on: results show it together with the stage before.
+    pub continues: bool,
     /// The system in this stage.
     pub system: Arc<dyn System>,
     /// Whether the speed changes.
     pub is_driven: bool,
-    /// The non-dimensional time since the begin of the segment of the profile, if it is the last component of the state: for
+    /// The non-dimensional time since the begin of the segment of the profile, or of the stage, if it is the last component of the state: for
     /// a balancer if the speed changes, for another model if its equations change with time.
     time: Option<f64>,
     /// Whether the last component of a start state is a time.
@@ -61,6 +63,7 @@ impl Model {
                 ends_s: end_time_s,
                 speeds_rad_s: self.ball_balancer().map(|machine| [machine.speed_rad_s; 2]),
                 is_kicked: false,
+                continues: false,
                 system: self.system_for(start)?,
                 is_driven: false,
                 time: None,
@@ -101,9 +104,10 @@ impl OwnModel {
             .as_ref()
             .map(|(_, speed)| [0.0, ends_s - begins_s].map(|time_s| speed.speed_rad_s(time_s)));
         let speed_changes = turning.as_ref().is_some_and(|(_, speed)| !speed.is_hold);
-        let mut motions = self.own().motions().into_iter();
-        let is_driven =
-            speed_changes || motions.any(|motion| motion.terms_from(begins_s).len() > 1);
+        let motions = self.own().motions();
+        let moves = motions.iter().any(|motion| motion.terms_from(begins_s).len() > 1);
+        let is_knot = segment.is_some_and(|(segment, _)| segment.begins_s == begins_s);
+        let ends = motions.iter().any(|motion| motion.times_s().last() == Some(begins_s));
         let (system, has_clock) =
             self.own().system_in_stage(self, &StageMotion { begins_s, turning });
         Some(Stage {
@@ -111,8 +115,9 @@ impl OwnModel {
             ends_s,
             speeds_rad_s,
             is_kicked: false,
+            continues: begins_s > 0.0 && !is_knot && !ends,
             system,
-            is_driven,
+            is_driven: speed_changes || moves,
             time: has_clock.then_some(0.0),
             starts_with_time: disc.is_some(),
             jump: [0.0; 2],
@@ -124,6 +129,20 @@ impl Model {
     /// Returns the end time of a run, s, if the speed profile has an end.
     pub fn end_time_s(&self) -> Option<f64> {
         self.speed_profile()?.end_time_s()
+    }
+
+    /// Checks that runs that may be continued to a later end are in their last stage at the earlier one.
+    ///
+    /// # Errors
+    /// The end time, if the last stage begins later.
+    pub fn validate_extension(&self, simulation: &Simulation) -> Result<(), InvalidParameter> {
+        let (begins_s, end_s) = (self.last_stage_begins_s(), simulation.end_time_s);
+        if simulation.extend.is_none() || begins_s < end_s {
+            return Ok(());
+        }
+        let found =
+            format!("{end_s} s with `extend`, before the last stage begins at {begins_s} s");
+        Err(invalid("end_time_s", &found, "a later end time, or no `extend`"))
     }
 
     /// Checks that all kicks come before the end of a run.
@@ -183,6 +202,7 @@ impl Machine {
             ends_s,
             speeds_rad_s: Some(speeds_rad_s),
             is_kicked: !kicks.is_empty(),
+            continues: false,
             system: system?,
             is_driven: !segment.is_hold,
             time: (!segment.is_hold).then_some(since_begin_s * natural),

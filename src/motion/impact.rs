@@ -36,8 +36,8 @@ pub(super) struct Impact {
     pub(super) together: SmallVec<[ImpactPlace; 8]>,
     /// The gaps that were open and have closed.
     pub(super) hits: SmallVec<[Hit; 2]>,
-    /// The number of contacts that were apart and have hit.
-    pub(super) landed: usize,
+    /// The contacts that were apart and have hit.
+    pub(super) landed: SmallVec<[usize; 2]>,
     /// The contacts that the impulses lift off their support, which the model does not follow.
     pub(super) lifted: usize,
 }
@@ -166,7 +166,7 @@ pub(super) fn impact<T: Solved>(
         opening.value() < -meeting.tolerance || together.contains(place)
     };
     let mut hits = SmallVec::new();
-    let mut landed = 0;
+    let mut landed = SmallVec::new();
     for (place, opening) in touching.iter().zip(meeting.before.iter().step_by(2)) {
         match *place {
             ImpactPlace::Gap(gap)
@@ -174,8 +174,11 @@ pub(super) fn impact<T: Solved>(
             {
                 hits.push(Hit { gap, opening_speed: opening.value() });
             }
-            ImpactPlace::Opening(site) if phases[graph.openings[site].contact] == Phase::Apart => {
-                landed += usize::from(closes(place, opening));
+            ImpactPlace::Opening(site) => {
+                let contact = graph.openings[site].contact;
+                if phases[contact] == Phase::Apart && closes(place, opening) {
+                    landed.push(contact);
+                }
             }
             _ => {}
         }

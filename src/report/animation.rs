@@ -25,6 +25,8 @@ const TITLE: &str = "<!--title-->";
 
 /// Frames per turn of the part that turns, or per period of the machine.
 const FRAMES_PER_TURN: f64 = 24.0;
+/// Frames per step of the integration, which is short where forces change fast.
+const FRAMES_PER_STEP: f64 = 4.0;
 const FRAMES: (f64, f64) = (200.0, 20_000.0);
 /// The largest number of values in all frames.
 const MOST_VALUES: f64 = 400_000.0;
@@ -56,7 +58,8 @@ pub fn animate(
         outcome.evidence.name(),
         time_text(end),
     );
-    let frames = frames(&case.model, &drawing, to - from);
+    let steps = outcome.effort.steps as f64 * (to - from) / end;
+    let frames = frames(&case.model, &drawing, to - from, steps);
     let (natural, last) = (case.model.units().natural_rad_s, f64::from(frames - 1));
     let time = |frame: u32| natural * (from + (to - from) * (f64::from(frame) / last));
     let mut recorder =
@@ -68,13 +71,13 @@ pub fn animate(
     Ok(true)
 }
 
-/// Returns the number of frames of a motion of this length.
-pub fn frames(model: &Model, drawing: &Drawing, seconds: f64) -> u32 {
+/// Returns the number of frames of a motion of this length, which takes so many steps.
+pub fn frames(model: &Model, drawing: &Drawing, seconds: f64, steps: f64) -> u32 {
     let turning = model.disc_motion().map_or(0.0, |disc| disc.fastest_rad_s());
     let rate = turning + model.units().natural_rad_s;
-    let frames = seconds * rate / TAU * FRAMES_PER_TURN;
+    let frames = (seconds * rate / TAU * FRAMES_PER_TURN).max(FRAMES_PER_STEP * steps);
     let most = FRAMES.1.min(MOST_VALUES / drawing.quantities.len().max(1) as f64);
-    frames.clamp(FRAMES.0, most) as u32
+    frames.clamp(FRAMES.0, most.max(FRAMES.0)) as u32
 }
 
 /// Returns the animation of a machine from equally spaced samples, with the touches between them; `title` is the
@@ -120,17 +123,18 @@ pub fn animation(
         data["last_stage_s"] = model.last_stage_begins_s().into();
     }
     let escaped = title.replace('&', "&amp;").replace('<', "&lt;");
+    let function = |values: String| format!("(q, turned, t) => {values}");
     let lists = |texts: Vec<String>| format!("[{}]", texts.join(","));
     let shapes = drawing.views.iter().map(|DrawnView { shapes, .. }| {
         lists(shapes.iter().map(|shape| lists(shape.values.clone())).collect())
     });
     let plots = drawing.plots.iter().map(|[_, formula]| formula.clone());
-    let formulas =
-        format!("[{},{}]", lists(shapes.collect()), lists(plots.collect::<Vec<String>>()));
+    let of_views = shapes.map(function).collect::<Vec<String>>();
+    let formulas = format!("[{}, {}]", lists(of_views), function(lists(plots.collect())));
     // The data are numbers and names, which do not end the script element.
     PAGE.replace(TITLE, &escaped)
         .replacen(DATA, &data.to_string().replace('<', "\\u003c"), 1)
-        .replacen(FORMULAS, &format!("(q, turned, t) => {formulas}"), 1)
+        .replacen(FORMULAS, &formulas, 1)
 }
 
 /// Returns the drawn quantities in SI units.
@@ -150,14 +154,14 @@ fn values((model, drawing): (&Model, &Drawing), sample: &MotionSample) -> Vec<f6
     }
 }
 
-/// Returns lengths or other values with six significant digits of the largest one, far below a screen pixel.
+/// Returns lengths or other values with nine significant digits of the largest one, so that differences of them are smooth, too.
 fn rounded(values: Vec<f64>) -> Vec<f64> {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    let scale = 10.0_f64.powf((6.0 - largest.log10().ceil()).clamp(-300.0, 300.0));
+    let scale = 10.0_f64.powf((9.0 - largest.log10().ceil()).clamp(-300.0, 300.0));
     values.into_iter().map(|value| (value * scale).round() / scale).collect()
 }
 
-/// Returns angles with four decimals and without jumps by whole turns.
+/// Returns angles with seven decimals and without jumps by whole turns.
 fn unwrapped(mut values: Vec<f64>) -> Vec<f64> {
     let mut turns = 0.0;
     for place in 1..values.len() {
@@ -165,7 +169,7 @@ fn unwrapped(mut values: Vec<f64>) -> Vec<f64> {
         turns -= TAU * ((change + PI) / TAU).floor();
         values[place] += turns;
     }
-    values.into_iter().map(|value| (value * 1e4).round() / 1e4).collect()
+    values.into_iter().map(|value| (value * 1e7).round() / 1e7).collect()
 }
 
 fn view(DrawnView { name, frame, shapes }: &DrawnView) -> Value {
@@ -188,7 +192,7 @@ fn contacts(
     recording: &RecordedRun,
     [begin, end]: [f64; 2],
 ) -> Vec<Value> {
-    let RecordedRun { samples, switches, touches, .. } = recording;
+    let RecordedRun { samples, touches, landings, .. } = recording;
     let units = model.units();
     let within = |time: f64| {
         let time = units.seconds(time) - begin;
@@ -205,16 +209,12 @@ fn contacts(
         samples.iter().map(letter).collect()
     };
     let contact = |number: usize| {
-        let closes = switches.iter().filter(|switch| {
-            switch.contact == number
-                && switch.before.phase == Phase::Apart
-                && switch.after.phase != Phase::Apart
-        });
-        let is_it = |quantity: &DrawnQuantity| quantity.angular && quantity.contact == Some(number);
+        let closes = landings.iter().filter(|(_, contact)| *contact == number);
+        let is_it = |quantity: &DrawnQuantity| quantity.contact == Some(number);
         json!({
-            "name": model.contact_in_words(number).replace('`', ""),
+            "name": model.contact_in_words(number).replace('`', "").replace('_', " "),
             "phases": letters(&|sample| sample.contacts[number].phase),
-            "closes": closes.filter_map(|switch| within(switch.time)).collect::<Vec<f64>>(),
+            "closes": closes.filter_map(|(time, _)| within(*time)).collect::<Vec<f64>>(),
             "angle": drawing.quantities.iter().position(is_it),
         })
     };

@@ -231,6 +231,27 @@ fn sliding_speeds_with_the_time_are_decided() {
     assert!(event <= switch && switch <= 2 * event && event < 60, "{switches:?}");
 }
 
+/// A ball that falls from rest bounces after `sqrt(2 h / g)`, and then after the time of flight `2 e^n sqrt(2 h / g)` of each bounce.
+#[test]
+fn bounces_are_recorded() {
+    let study = parse(
+        "schema: 1\nname: a\nseed: 1\nmodel:\n  system:\n    system: a\n    parameters: {m: 1 kg, g: 9.81 m/s^2}\n\
+         \x20   coordinates: {y: {unit: m, start: 0.5}}\n    mass: {y: {y: m}}\n    force: {y: -m * g}\n\
+         \x20   contacts: {floor: {gap: y, restitution: 0.8}}\n\
+         initial_conditions: {design: {monte_carlo: {samples: 1}}}\nsimulation: {method: event, end_time_s: 2}\n",
+    );
+    let [case] = &cases_of(&study)[..] else { panic!("one run") };
+    let mut recorder = RunRecorder::new(Instants::EveryStep { inside: 0 }, 1000);
+    simulate_recorded(case, &mut recorder);
+    let landings = recorder.finish().landings;
+    let (fall, mut time) = ((1.0_f64 / 9.81).sqrt(), 0.0);
+    for (bounce, (landed, contact)) in landings[..5].iter().enumerate() {
+        time += if bounce == 0 { fall } else { 2.0 * 0.8_f64.powi(bounce as i32) * fall };
+        let landed = landed / case.model.units().natural_rad_s;
+        assert!(*contact == 0 && (landed - time).abs() < 1e-9, "{bounce}: {landed} {time}");
+    }
+}
+
 /// A motion that rests at 0 changes nothing, although its rows divide the ramp of a shaft into stages.
 #[test]
 fn a_motion_may_stand_beside_a_part_that_turns() {

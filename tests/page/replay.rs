@@ -346,11 +346,11 @@ fn a_replay_draws_a_system_of_a_file() {
         ];
         // A cubic polynomial between two rows, interpolated between two frames.
         assert!((push - time * time * (3.0 - time)).abs() < 1e-3, "{push}");
-        let found = numbers(&mut page, &format!("valuesAt({time}, 1)[0][0][0]"));
+        let found = numbers(&mut page, &format!("valuesAt(ofViews[0], {time}, 1)[0]"));
         for (found, expected) in found.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
-        let enlarged = numbers(&mut page, &format!("valuesAt({time}, 10)[0][0][1]"));
+        let enlarged = numbers(&mut page, &format!("valuesAt(ofViews[0], {time}, 10)[1]"));
         assert_eq!(enlarged, [10.0 * x, 1.0, 0.25]);
     }
     // The balancer's angle grows by 9 rad/s without a force, also beyond whole turns.

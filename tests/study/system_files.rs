@@ -70,10 +70,13 @@ const WRONG_SHAPES: &str = r#"{polygon: [[0, 0], [0, 0]], circle: [0, 0]} ¦ not
 {square: [0, 0]} ¦ unknown key ¦ square ¦ circle
 {circle: [0, 0]} ¦ has a radius ¦ no `radius` ¦ with `radius`
 {line: [[0, 0], [0, 0]], radius: 1} ¦ has a radius ¦ of another ¦ with `radius`
-{line: [[0, 0]]} ¦ too few points ¦ 1 ¦ at least 2
+{line: [[0, 0]]} ¦ another number of points ¦ 1 ¦ at least 2
+{spring: [[0, 0], [1, 1], [2, 2]]} ¦ another number of points ¦ 3 ¦ 2 points
+{circle: [0, 0, 1], radius: 1} ¦ not a point ¦ 3 values ¦ quotation marks
 {mark: [0, 0]} ¦ without a contact ¦ no `contact` ¦ contact:
 {circle: [0, 0], radius: 1, contact: belts} ¦ not a contact ¦ belts ¦ belt
-{circle: [0, 0], radius: 1, contact: 'belt[cart + 1]'} ¦ not a contact ¦ belt ¦ belt
+{circle: [0, 0], radius: 1, contact: 'belt[cart + 1]'} ¦ not a contact ¦ belt[cart + 1] ¦ belt[cart]
+{circle: [0, 0], radius: 1, contact: belt} ¦ not a contact ¦ belt ¦ belt[cart]
 {circle: [0, 0], radius: k} ¦ another quantity ¦ N/m ¦ m
 {circle: ["x[cart]' * 1", 0], radius: 1} ¦ rates of change ¦ x[cart] ¦ positions
 {circle: [y, 0], radius: 1} ¦ unknown name ¦ y ¦ x"#;
@@ -388,6 +391,9 @@ fn a_motion_has_a_table() {
     let of_rows = parse(&of_file.resolved_yaml()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(of_file.hash(), of_rows.hash());
     assert_eq!(of_file.model().last_stage_begins_s(), 4.0);
+    let cut = format!("{}simulation: {{end_time_s: 0.5, extend: {{factor: 4}}}}\n", with(good));
+    let error = parse(&cut).expect_err("runs are continued from within the motion");
+    assert!(error.problem().contains("before their last stage"), "{error}");
     for [old, new, problem, found, allowed] in cases(WRONG_MOTIONS) {
         let text = with(good).replace(&old, &new);
         let error = parse(&text).err().unwrap_or_else(|| panic!("accepted: {new}"));
@@ -403,6 +409,7 @@ const WRONG_MOTIONS: &str = r"[0.5, 2] ¦ [0, 2] ¦ do not ascend ¦ 0 ¦ later 
 time_s ¦ t ¦ unknown column ¦ t ¦ time_s
 road [mm] ¦ road ¦ unknown column ¦ road ¦ road_m
 {unit: m, ¦ {unit: mm, ¦ not an SI unit ¦ mm ¦ m
+k * road ¦ k * x[1] ¦ without effect ¦ road ¦ an equation
 k * road ¦ f * cos(omega * t) ¦ the time beside a motion ¦ t ¦ given motions
 k * road ¦ k * roads ¦ unknown name ¦ roads ¦ road
 k * road ¦ k * road' ¦ different quantities ¦ kg m s^-3 ¦ N
@@ -412,10 +419,7 @@ table: { ¦ tables: { ¦ unknown key ¦ tables ¦ table";
 /// The equations in LaTeX: parentheses where precedence needs them, and the index of each body.
 #[test]
 fn equations_in_latex() {
-    let equations = |system: &str| {
-        let latex = system_in_latex(system).unwrap_or_else(|error| panic!("{error}"));
-        latex.expect("no fault")
-    };
+    let equations = |system: &str| system_in_latex(system, &shipped("systems")).expect("no fault");
     let text = "system: a\nparameters: {m_1: 2, k: 3.0e-5, b: 1, n: {value: 2, most: 3}}\nrepeat: {cart: n}\n\
                 coordinates: {'x[cart]': {start: 0}}\nmass: {'x[cart]': {'x[cart]': m_1}}\n\
                 force: {'x[cart]': \"-(k + b) * x[cart] / (m_1 * b) - (x[1]' - x[2]')^2 + sqrt(exp(-x[1])) * 2\"}\n\
@@ -438,7 +442,7 @@ fn equations_in_latex() {
         pad(2)
     );
     assert_eq!(equations(text), expected);
-    for file in ["woodpecker", "ball_balancer", "unbalanced_shaft", "block_chain"] {
+    for file in ["woodpecker", "ball_balancer", "unbalanced_shaft", "block_chain", "shaken_block"] {
         let text = std::fs::read_to_string(shipped(&format!("systems/{file}.yaml"))).expect(file);
         let latex = equations(&text);
         let depth = latex.chars().try_fold(0_u32, |depth, letter| match letter {

@@ -81,7 +81,7 @@ impl SystemDefinition {
     pub fn check(&mut self) -> Result<(), FaultAt> {
         self.check_names()?;
         self.check_sizes()?;
-        let (found, all) = {
+        let (found, all, seen) = {
             let definition: &SystemDefinition = self;
             // A contact of no bodies has formulas, too.
             let instance = Instance::new(definition, |name| definition.default_count(name).max(1))?;
@@ -89,8 +89,13 @@ impl SystemDefinition {
         };
         self.uses_time = all.time;
         self.uses_accelerations = all.accelerations > 0;
+        if let Some(motion) = self.motions.iter().find(|motion| !seen.contains(&motion.name)) {
+            let allowed = "a motion that an equation or an output contains";
+            let fault = FormulaFault::new(0, "a motion without effect", &motion.name, allowed);
+            return Err((vec!["motions".to_owned(), motion.name.clone()], fault));
+        }
         if let Some(turning) = self.turning.as_ref().filter(|_| !all.time) {
-            let allowed = "an angle that a formula contains";
+            let allowed = "an angle that an equation contains";
             let fault = FormulaFault::new(0, "an angle without effect", &turning.angle, allowed);
             return Err((vec!["turning".to_owned(), turning.angle.clone()], fault));
         }
@@ -147,10 +152,10 @@ impl SystemDefinition {
 /// The dimensions of the numbers in each formula.
 type Numbers = Vec<(*const Formula, Vec<Option<Dimension>>)>;
 
-/// Checks all formulas; returns the dimensions of their numbers, and what any of them depends on.
-fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), FaultAt> {
+/// Checks all formulas; returns the dimensions of their numbers, what the equations depend on, and the names in them.
+fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence, Vec<String>), FaultAt> {
     let mut found = Numbers::new();
-    let (mut terms, mut all) = (0, Dependence::default());
+    let (mut terms, mut all, mut seen) = (0, Dependence::default(), Vec::new());
     for used in uses(instance)? {
         let CheckedFormula { path, formula, allowed, dimension, mut bodies } = used;
         let at = |fault: FormulaFault| (path.clone(), fault);
@@ -183,6 +188,7 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), Faul
         }
         if allowed != Allowed::InPicture {
             all = all.with(depends);
+            seen.extend(values.appearing.iter().map(|(name, _)| name.clone()));
         }
         if let Some(wanted) = dimension {
             values.require(0, found_here.measured, wanted).map_err(at)?;
@@ -202,7 +208,7 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence), Faul
             *known = known.or(number);
         }
     }
-    Ok((found, all))
+    Ok((found, all, seen))
 }
 
 /// Returns all formulas of a system, for each body.
@@ -385,7 +391,7 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt>
 impl Instance<'_> {
     /// Checks all formulas with the numbers of bodies of this system.
     pub fn check(&self) -> Result<(), FaultAt> {
-        let (found, _) = check_formulas(self)?;
+        let (found, ..) = check_formulas(self)?;
         for (path, formula) in uses(self)?.into_iter().map(|used| (used.path, used.formula)) {
             let numbers = found.iter().find(|(known, _)| ptr::eq(*known, formula));
             let mut both = numbers.iter().flat_map(|(_, numbers)| numbers).zip(&formula.numbers);

@@ -86,6 +86,7 @@ impl SystemDefinition {
             ("parameters", self.parameters.len(), MOST_PARAMETERS),
             ("derived", self.derived.len(), MOST_PARAMETERS),
             ("repeat", self.repeat.len(), MOST_INDICES),
+            ("motions", self.motions.len(), MOST_MEMBERS),
             ("draw", drawn, MOST_DRAWN),
         ];
         match sizes.into_iter().find(|(_, count, most)| count > most) {

@@ -1,14 +1,14 @@
 //! The pictures of a system for an animation: its formulas as expressions of JavaScript.
 
-use super::definition::{WrittenShape, WrittenView};
+use super::definition::{WrittenShape, WrittenUnit, WrittenView};
 use super::evaluate::FormulaValues;
 use super::formula::{Dimension, FormulaFault, FormulaFunction, Name, Valued};
-use super::instance::{Instance, Member};
+use super::instance::{Instance, Member, with_index};
 use super::names::place_of;
 use crate::model::{Drawing, DrawnFrame, DrawnQuantity, DrawnShape, DrawnView};
 
-/// The largest number of coordinates that the page shows over time.
-const MOST_PLOTS: usize = 3;
+/// The largest number of coordinates and motions that the page shows over time.
+const MOST_PLOTS: usize = 4;
 
 /// The values of names as texts.
 struct ScriptValues<'a> {
@@ -37,18 +37,25 @@ impl Instance<'_> {
                 name: in_words(&coordinate.name, member.body),
                 angular: coordinate.periodic,
                 enlarged: coordinate.enlarged,
-                contact: self.positions.iter().position(|position| *position == number),
+                contact: self
+                    .positions
+                    .iter()
+                    .position(|position| *position == number && coordinate.periodic),
             }
         };
-        let over_time = self.coordinates.iter().enumerate();
-        let plots =
-            over_time.filter(|(_, member)| !self.definition.coordinates[member.of].periodic);
-        let plot = |(number, member): (usize, &Member)| {
-            let coordinate = &self.definition.coordinates[member.of];
-            let unit = format!(" [{}]", coordinate.unit.si);
-            let unit = if self.definition.has_units() { unit } else { String::new() };
-            [in_words(&coordinate.name, member.body) + &unit, format!("q[{number}]")]
+        let definition = self.definition;
+        let plot = |(number, (name, unit)): (usize, (String, &WrittenUnit))| {
+            let unit = format!(" [{}]", unit.si);
+            let unit = if definition.has_units() { unit } else { String::new() };
+            [name + &unit, format!("q[{number}]")]
         };
+        let named = self.coordinates.iter().map(|member| {
+            let coordinate = &definition.coordinates[member.of];
+            (in_words(&coordinate.name, member.body), &coordinate.unit)
+        });
+        let moving = definition.motions.iter();
+        let moving = moving.map(|motion| (in_words(&motion.name, None), &motion.unit));
+        let plots = named.chain(moving).enumerate();
         let motions = self.definition.motions.iter().map(|motion| DrawnQuantity {
             name: in_words(&motion.name, None),
             angular: false,
@@ -70,10 +77,8 @@ impl Instance<'_> {
         let of_body = |body: Option<i64>| {
             let bodies = self.bound(shape.index.as_deref(), body);
             let mut values = ScriptValues { instance: self, parameters };
-            let texts = shape.values.iter().map(|formula| {
-                let text = bodies.clone().evaluate(formula, &mut values)?;
-                Ok(text)
-            });
+            let texts = shape.values.iter();
+            let texts = texts.map(|formula| bodies.clone().evaluate(formula, &mut values));
             Ok(DrawnShape {
                 name: in_words(&shape.name, body),
                 form: shape.form,
@@ -94,10 +99,14 @@ impl Instance<'_> {
         let is_it =
             |member: &Member| self.definition.contacts[member.of].name == name && member.body == of;
         let found = self.contacts.iter().position(is_it);
-        let known = || self.definition.contacts.iter().map(|contact| contact.name.clone());
-        let unknown = || FormulaFault {
-            names: known().collect(),
-            ..FormulaFault::new(0, "not a contact", name.as_str(), "")
+        let known = || self.definition.contacts.iter();
+        let named = || known().map(|contact| with_index(&contact.name, contact.index.as_deref()));
+        let unknown = || match known().zip(named()).find(|(contact, _)| contact.name == name) {
+            Some((_, key)) => FormulaFault::new(0, "not a contact", &place.0.text, key),
+            None => FormulaFault {
+                names: named().collect(),
+                ..FormulaFault::new(0, "not a contact", name.as_str(), "")
+            },
         };
         found.ok_or_else(unknown).map(Some)
     }

@@ -41,7 +41,7 @@ impl ExaminedSystem {
     /// Examines a system with these values of its parameters, in SI units, and the law of friction of the study; `number` is
     /// that of its definition.
     pub fn new(
-        instance: Instance<'static>,
+        instance: Arc<Instance<'static>>,
         number: usize,
         values: &[f64],
         of_study: &FrictionLaw,
@@ -306,15 +306,18 @@ impl Instance<'_> {
     ) -> Valued<bool> {
         let mut pairs: Vec<[Vec<f64>; 2]> = Vec::new();
         for state in states {
-            for time in [0.1, 0.37, 0.83].map(|part| part * period) {
+            for part in [0.1, 0.37, 0.83] {
+                let time = part * period;
                 let mut later = state.clone();
                 let mut after = time + period;
                 if let Some(coordinate) = turned {
                     later[coordinate][0] += TAU;
                     after = time;
                 }
-                pairs
-                    .push([self.all_at(values, state, time)?, self.all_at(values, &later, after)?]);
+                pairs.push([
+                    self.all_at(values, state, (time, part))?,
+                    self.all_at(values, &later, (after, part))?,
+                ]);
             }
         }
         let count = pairs.first().map_or(0, |[now, _]| now.len());
@@ -325,10 +328,21 @@ impl Instance<'_> {
         }))
     }
 
-    /// Returns the values of all formulas of the equations.
-    pub fn all_at(&self, values: &[f64], state: &[[f64; 2]], time: f64) -> Valued<Vec<f64>> {
-        let (parameters, mut coordinates) =
-            (self.parameters(values, Scales::default(), time), self.named(|number| state[number]));
+    /// Returns the values of all formulas of the equations at a time; given motions and their rates of change are so far from
+    /// rest at their last values.
+    pub fn all_at(
+        &self,
+        values: &[f64],
+        state: &[[f64; 2]],
+        (time, far): (f64, f64),
+    ) -> Valued<Vec<f64>> {
+        let mut parameters = self.parameters(values, Scales::default(), time);
+        for (name, primes, value) in &mut parameters {
+            if self.definition.motions.iter().any(|motion| motion.name == *name) {
+                *value += far * (1.0 + *primes as f64);
+            }
+        }
+        let mut coordinates = self.named(|number| state[number]);
         // Normal forces may contain accelerations.
         for (number, (.., values)) in coordinates.iter_mut().enumerate() {
             values[2] = 1.0 + 0.3 * number as f64;

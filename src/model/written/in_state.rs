@@ -110,7 +110,7 @@ impl WrittenSystem {
         let Some(places) = places else { return Ok(false) };
         let bounded = |value: Interval| Bounded { value, slope: Interval::exact(0.0) };
         let values: Vec<Bounded> = self.values.iter().map(|x| Bounded::constant(*x)).collect();
-        let stage = self.stage.map(|x| Bounded::constant(x));
+        let stage = self.stage.map(Bounded::constant);
         let (scales, time) = (self.scales, bounded(time));
         let parameters = self.parameters_at(&values, &stage, time);
         let mut coordinates = instance.named(|number| at(number).map(bounded));

@@ -202,7 +202,6 @@ impl WrittenKind {
                 return Ok(Arc::clone(known));
             }
             let (instance, values, law) = (self.instance(model)?, model.values(), model.friction());
-            let instance = (*instance).clone();
             let examined = Arc::new(ExaminedSystem::new(instance, self.number, values, law)?);
             latest.truncate(MOST_KEPT - 1);
             latest.insert(0, (self.number, values.to_vec(), *law, Arc::clone(&examined)));

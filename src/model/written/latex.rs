@@ -40,14 +40,18 @@ impl Instance<'_> {
                 mass[column][row] = entry;
             }
         }
-        let mut forces = vec![String::new(); n];
+        let mut forces = vec![Vec::new(); n];
         for (place, formula) in &self.definition.force {
             for ([number], bodies) in self.places([place]).map_err(|(_, fault)| fault)? {
-                let sign = if forces[number].is_empty() { "" } else { " + " };
-                forces[number] += &format!("{sign}{}", text(formula, bodies)?);
+                let term = bodies.clone().evaluate(formula, &mut LatexValues)?;
+                forces[number].push((false, term));
             }
         }
-        let or_zero = |force: String| if force.is_empty() { "0".to_owned() } else { force };
+        let total = |terms: Vec<_>| match terms.is_empty() {
+            true => Ok("0".to_owned()),
+            false => LatexValues.sum(0, terms).map(|(text, _)| text),
+        };
+        let forces = forces.into_iter().map(total).collect::<Valued<Vec<_>>>()?;
         let accelerations = self
             .coordinates
             .iter()
@@ -57,7 +61,7 @@ impl Instance<'_> {
             "& {} {} = {} + \\text{{contacts}}",
             matrix(&rows),
             matrix(&accelerations.collect::<Vec<_>>()),
-            matrix(&forces.into_iter().map(or_zero).collect::<Vec<_>>())
+            matrix(&forces)
         )];
         for number in 0..self.contacts.len() {
             let (contact, bodies) = self.contact(number);
@@ -81,9 +85,10 @@ fn matrix(rows: &[String]) -> String {
 }
 
 /// The names of Greek letters, which are symbols of their own.
-const GREEK: [&str; 22] = [
+const GREEK: [&str; 28] = [
     "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu",
-    "nu", "xi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega", "Omega", "Delta",
+    "nu", "xi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega", "Gamma", "Delta", "Theta",
+    "Lambda", "Sigma", "Phi", "Psi", "Omega",
 ];
 
 /// Returns a name with dots for its primes; what follows the first `_`, and the number of a body, are its index.
@@ -140,15 +145,18 @@ impl FormulaValues for LatexValues {
         let mut sum = String::new();
         for (minus, term) in terms {
             let text = bound(term, if minus { Binding::Product } else { Binding::Sum });
+            // A term such as `-a` in a sum within a sum has its sign.
+            let (minus, text) = match text.strip_prefix('-') {
+                Some(rest) if !minus && !sum.is_empty() => (true, rest),
+                _ => (minus, text.as_str()),
+            };
             sum += match (minus, sum.is_empty()) {
                 (true, true) => "-",
                 (true, false) => " - ",
-                // The sign of a term such as `-a` in a sum within a sum.
-                (false, false) if text.starts_with('-') => " ",
                 (false, false) => " + ",
                 (false, true) => "",
             };
-            sum += &text;
+            sum += text;
         }
         Ok((sum, Binding::Sum))
     }
@@ -184,7 +192,7 @@ impl FormulaValues for LatexValues {
     }
 
     fn power(&mut self, _: usize, base: Text, exponent: f64) -> Valued<Text> {
-        // A power of a power or of a symbol with dots reads wrongly without parentheses only if an exponent is there already.
+        // A power of a power needs parentheses.
         let is_plain = base.1 == Binding::Power && !base.0.contains('^');
         let base = if is_plain { base.0 } else { format!("\\left({}\\right)", base.0) };
         Ok((format!("{base}^{{{exponent}}}"), Binding::Power))

@@ -97,7 +97,8 @@ impl Instance<'_> {
             true => None,
             false => Some(smallest_pivot(self.mass_at(values, &middle, 0.0)?.0).1),
         };
-        let is_finite = self.all_at(values, &middle, 0.0)?.iter().all(|value| value.is_finite());
+        let is_finite =
+            self.all_at(values, &middle, (0.0, 0.0))?.iter().all(|value| value.is_finite());
         Ok(Sizes {
             middle,
             reach,

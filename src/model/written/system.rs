@@ -20,7 +20,7 @@ use crate::model::{
 /// A system of a file with values of its parameters, without dimensions.
 #[derive(Clone, Debug)]
 pub(super) struct WrittenSystem {
-    pub instance: Instance<'static>,
+    pub instance: Arc<Instance<'static>>,
     /// A number for each definition of the process.
     pub number: usize,
     pub scales: Scales,

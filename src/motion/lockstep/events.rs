@@ -201,6 +201,7 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
     let kernel = &g.kernel;
     let Some(run) = &mut g.lanes[lane] else { return Ok(()) };
     run.hits.clear();
+    run.landed.clear();
     run.count_event(time)?;
     run.during.copy_from_slice(&run.phases);
     let resets =

@@ -38,6 +38,8 @@ pub(crate) struct Lane {
     pub(super) lifted: u64,
     /// The impacts of the latest event, and its time.
     pub(super) hits: SmallVec<[Hit; 2]>,
+    /// The contacts that were apart and have hit at the same time.
+    pub(super) landed: SmallVec<[usize; 2]>,
     pub(super) hit_at: f64,
     /// The time in which any gap was closed, until the latest change, and the time of that change.
     pub(super) touching_time: f64,
@@ -78,10 +80,12 @@ impl Lane {
     /// Takes in the impact of an event, if there was one.
     pub(super) fn take_in(&mut self, impact: Option<&Impact>, time: f64) {
         self.hits.clear();
+        self.landed.clear();
         if let Some(impact) = impact {
-            self.impacts += (impact.hits.len() + impact.landed) as u64;
+            self.impacts += (impact.hits.len() + impact.landed.len()) as u64;
             self.lifted += impact.lifted as u64;
             (self.hits, self.hit_at) = (impact.hits.clone(), time);
+            self.landed.clone_from(&impact.landed);
         }
     }
 }

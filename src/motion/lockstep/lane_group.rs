@@ -77,6 +77,8 @@ pub(crate) trait LaneGroup: StepStates {
     fn slow_since(&self, lane: usize) -> PerContact;
     /// Returns the impacts at the end of the latest step or, before the first step, at the start.
     fn hits(&self, lane: usize) -> &[Hit];
+    /// Returns the contacts that were apart and have hit at the end of the latest step or, before the first step, at the start.
+    fn landed(&self, lane: usize) -> &[usize];
     /// Returns how the contacts of the run in a lane have touched; `None` for a system without gaps.
     fn touches(&self, lane: usize) -> Option<Touches>;
     /// Returns the effort of the run in a lane.
@@ -267,6 +269,11 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     fn hits(&self, lane: usize) -> &[Hit] {
         let latest = self.lanes[lane].as_ref().filter(|run| run.hit_at == self.time[lane]);
         latest.map_or(&[], |run| &run.hits)
+    }
+
+    fn landed(&self, lane: usize) -> &[usize] {
+        let latest = self.lanes[lane].as_ref().filter(|run| run.hit_at == self.time[lane]);
+        latest.map_or(&[], |run| &run.landed)
     }
 
     fn touches(&self, lane: usize) -> Option<Touches> {

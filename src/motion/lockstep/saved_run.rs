@@ -119,6 +119,7 @@ impl SavedRun {
             impacts: 0,
             lifted: 0,
             hits: SmallVec::new(),
+            landed: SmallVec::new(),
             hit_at: 0.0,
             touching_time: 0.0,
             last_touch: 0.0,
@@ -159,6 +160,7 @@ impl SavedRun {
             lifted: before.lifted + u64::from(lifted),
             // A kick separates contacts that touch, but it is no impact between them.
             hits: SmallVec::new(),
+            landed: SmallVec::new(),
             touching_time: before.touching_time,
             last_touch: before.last_touch,
             ..started.lane

@@ -166,6 +166,7 @@ pub(in crate::study) struct ViewEntry {
     #[serde(default)]
     pub turns: bool,
     /// Shapes by name; `ball[ball]` for a shape of each body. Later shapes cover earlier ones.
+    #[schemars(extend("minProperties" = 1))]
     pub shapes: IndexMap<String, ShapeEntry>,
 }
 
@@ -174,19 +175,31 @@ pub(in crate::study) struct ViewEntry {
 #[serde(deny_unknown_fields)]
 pub(in crate::study) struct ShapeEntry {
     /// The centre of a circle.
-    pub circle: Option<[FormulaText; 2]>,
+    pub circle: Option<PointEntry>,
     /// The radius of a circle.
     pub radius: Option<FormulaText>,
     /// The points of a line.
-    pub line: Option<Vec<[FormulaText; 2]>>,
+    pub line: Option<Vec<PointEntry>>,
     /// The corners of an area.
-    pub polygon: Option<Vec<[FormulaText; 2]>>,
+    pub polygon: Option<Vec<PointEntry>>,
     /// The ends of a spring.
-    pub spring: Option<[[FormulaText; 2]; 2]>,
+    #[schemars(extend("minItems" = 2, "maxItems" = 2))]
+    pub spring: Option<Vec<PointEntry>>,
     /// The place of a dot that shows whether its contact is closed.
-    pub mark: Option<[FormulaText; 2]>,
+    pub mark: Option<PointEntry>,
     /// The contact whose stick and slip the shape shows, such as `race[ball]`.
     pub contact: Option<String>,
+}
+
+/// The coordinates `[x, y]` of a point.
+#[derive(Clone, Debug, JsonSchema)]
+pub(in crate::study) struct PointEntry(
+    #[schemars(with = "[NumberOrText; 2]")] pub Vec<FormulaText>,
+);
+
+notations! {
+    PointEntry: "a point [x, y]",
+    list(Vec<FormulaText>) => PointEntry,
 }
 
 /// A contact with a given normal force, or with a gap.

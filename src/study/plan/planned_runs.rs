@@ -279,6 +279,7 @@ impl Plan {
         let simulation = Simulation { end_time_s, ..self.simulation };
         let sound = model.validate().and(start.clone().map(|_| ()));
         let sound = sound.and_then(|()| model.validate_kicks(end_time_s));
+        let sound = sound.and_then(|()| model.validate_extension(&simulation));
         let start = Start(start.unwrap_or_else(|_| drawn()));
         let case = sound.map(|()| Case { model, start: start.clone(), simulation });
         PlannedRun {

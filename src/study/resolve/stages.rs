@@ -166,12 +166,16 @@ pub(in crate::study) fn check_stages(source: &Source, model: &Model) -> Result<(
     Err(path.wrong_value(problem, invalid.found, invalid.allowed))
 }
 
-/// Checks that all kicks come before the end of the runs.
+/// Checks that all kicks come before the end of the runs, and that runs to be continued reach their last stage before.
 pub(in crate::study) fn check_kicks(
     source: &Source,
     model: &Model,
     simulation: &Simulation,
 ) -> Result<(), StudyError> {
+    if let Err(invalid) = model.validate_extension(simulation) {
+        let problem = "runs end before their last stage";
+        return Err(source.path("simulation").wrong_value(problem, invalid.found, invalid.allowed));
+    }
     let Err(invalid) = model.validate_kicks(simulation.end_time_s) else { return Ok(()) };
     let kicks = model.ball_balancer().into_iter().flat_map(|machine| &machine.kicks);
     let late = kicks.enumerate().find(|(_, kick)| kick.at_s >= simulation.end_time_s);

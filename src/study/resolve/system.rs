@@ -26,7 +26,7 @@ use crate::study::file::values::TableKey;
 use crate::study::file::yaml_tree::{Content, YamlNode};
 use crate::tabular::to_text;
 
-/// The largest number of rows of a motion over time: each begins a stage of a run.
+/// The largest number of rows of all motions over time: each begins a stage of a run.
 const MOST_ROWS: usize = 10_000;
 
 /// The largest number of bodies that an index counts.
@@ -98,12 +98,9 @@ pub(in crate::study) fn built_in_system(file: &str, text: &str) -> &'static Mode
     written_kind(definition, true).0
 }
 
-/// Returns the equations of a system file in LaTeX.
-///
-/// # Errors
-/// Returns what is wrong in the text of the file.
-pub fn system_in_latex(text: &str) -> Result<Option<String>, StudyError> {
-    Ok(of_text(Path::new("system"), text)?.latex())
+/// Returns the equations of a system file in LaTeX; `None` if it has a fault. Tables are relative to the folder `beside`.
+pub fn system_in_latex(text: &str, beside: &Path) -> Option<String> {
+    of_text(&beside.join("system"), text).ok()?.latex()
 }
 
 /// Reads and checks a system file.
@@ -246,6 +243,12 @@ impl<'s> Reader<'s> {
                 "rows": motion.motion.rows(),
             });
             motions.push(motion);
+            let rows: usize = motions.iter().map(|given| given.motion.rows().len()).sum();
+            if rows > MOST_ROWS {
+                let allowed = format!("at most {MOST_ROWS} rows in all motions together");
+                let fault = Fault::new("too many rows", rows.to_string(), allowed);
+                return Err(self.path(&["motions", name, "table"]).refuse_value(fault));
+            }
         }
         let draw = file.draw.iter().map(|(name, entry)| self.view(name, entry, file));
         let draw = draw.collect::<Result<Vec<_>, StudyError>>()?;
@@ -366,20 +369,16 @@ impl<'s> Reader<'s> {
         let remedy = "; the columns of the table may have other units, as in `road [mm]`";
         let unit = self.si_unit(&path, entry.unit.as_deref().unwrap_or("1"), remedy)?;
         self.check_ending(&path, name, &unit)?;
+        if name == "time" {
+            let fault = Fault::new("a name of another column", name, "another name");
+            return Err(path.refuse_key(fault));
+        }
         let names = motion_columns(name, &unit);
         let table = match &entry.table {
             TableKey::File(name) => TableKey::File(self.beside.join(name).display().to_string()),
             inline @ TableKey::Inline(_) => inline.clone(),
         };
         let rows = values_over_time(self.folders, &path.key("table"), &table, names)?;
-        if rows.len() > MOST_ROWS {
-            let fault = Fault::new(
-                "too long a table",
-                rows.len().to_string(),
-                format!("at most {MOST_ROWS} rows"),
-            );
-            return Err(path.key("table").refuse_value(fault));
-        }
         Ok(WrittenMotion { name: name.to_owned(), unit, motion: GivenMotion::new(rows) })
     }
 
