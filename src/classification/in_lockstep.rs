@@ -57,7 +57,7 @@ pub(super) fn simulate_with(kernel: KernelChoice, level: SimdLevel, runs: &mut d
     }
 }
 
-/// The team of runs in which the speed of the disc changes.
+/// The team of runs in a stage in which the speed of the disc changes or a motion of a table goes on.
 const DRIVEN: usize = 2;
 
 /// A run that has not begun.
@@ -208,7 +208,8 @@ impl<'a> Lockstep<'a> {
             }
             return waiting.pop_front();
         }
-        if team != 0 {
+        // A run with many stages needs much memory, so that few of them wait.
+        if team != 0 || self.teams[DRIVEN].waiting.len() >= LANES {
             return None;
         }
         let next = self.start_next()?;
