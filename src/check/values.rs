@@ -39,8 +39,8 @@ pub(super) fn findings(
         let kinetic = model.friction_coefficient();
         let friction = kinetic.and_then(|kinetic| at.friction(model.friction(), kinetic, None));
         let profile = at.profile(model);
-        let profile = profile.into_iter().chain(at.motions(model));
         let all = friction.into_iter().chain(at.fast_support(model)).chain(profile);
+        let all = all.chain(at.motions(model));
         return all.chain(at.unusual(model)).collect();
     };
     let fits = [at.ring(machine), at.room(machine)].into_iter().flatten();

@@ -91,6 +91,11 @@ impl DrawnForm {
         ("spring", DrawnForm::Spring),
         ("mark", DrawnForm::Mark),
     ];
+
+    /// Returns the name in system files and on the page.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, form)| *form == self).map_or("", |(name, _)| name)
+    }
 }
 
 impl Machine {

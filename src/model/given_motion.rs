@@ -21,23 +21,20 @@ impl GivenMotion {
     pub fn new(rows: Vec<[f64; 2]>) -> Self {
         // The second derivatives at a row are equal from both sides: a tridiagonal system of the slopes (C. de Boor, A Practical
         // Guide to Splines, 1978, chapter IV), solved from the first row on.
-        let count = rows.len();
-        let [lengths, chords] = [0, 1].map(|which| {
-            let parts = rows.windows(2).map(|two| {
-                let [length, change] = [two[1][0] - two[0][0], two[1][1] - two[0][1]];
-                if which == 0 { length } else { change / length }
-            });
-            parts.collect::<Vec<f64>>()
-        });
+        let lengths: Vec<f64> = rows.windows(2).map(|two| two[1][0] - two[0][0]).collect();
+        let changes = rows.windows(2).map(|two| two[1][1] - two[0][1]);
+        let chords: Vec<f64> =
+            changes.zip(&lengths).map(|(change, length)| change / length).collect();
+        let (count, inner) = (rows.len(), 1..rows.len().saturating_sub(1));
         let (mut slopes, mut factors) = (vec![0.0; count], vec![0.0; count]);
-        for row in 1..count.saturating_sub(1) {
+        for row in inner.clone() {
             let [before, after] = [1.0 / lengths[row - 1], 1.0 / lengths[row]];
             let right = 3.0 * (chords[row - 1] * before + chords[row] * after);
             let pivot = 2.0 * (before + after) - before * factors[row - 1];
             factors[row] = after / pivot;
             slopes[row] = (right - before * slopes[row - 1]) / pivot;
         }
-        for row in (1..count.saturating_sub(1)).rev() {
+        for row in inner.rev() {
             slopes[row] -= factors[row] * slopes[row + 1];
         }
         GivenMotion { rows, slopes }

@@ -9,7 +9,7 @@ use crate::classification::{
     Evidence, Instants, MotionSample, RecordedRun, RunRecorder, simulate_recorded,
 };
 use crate::engine::{CommandError, MOST_INSTANTS};
-use crate::model::{Drawing, DrawnForm, DrawnFrame, DrawnQuantity, DrawnShape, DrawnView, Model};
+use crate::model::{Drawing, DrawnFrame, DrawnQuantity, DrawnShape, DrawnView, Model};
 use crate::motion::Phase;
 use crate::study::Study;
 use crate::table::{FileList, ResultsError, RunRecord};
@@ -178,10 +178,7 @@ fn view(DrawnView { name, frame, shapes }: &DrawnView) -> Value {
         DrawnFrame::Fixed => "fixed",
         DrawnFrame::Turning => "turning",
     };
-    let shape = |DrawnShape { name, form, contact, .. }: &DrawnShape| {
-        let form = DrawnForm::ALL.iter().find(|(_, known)| known == form).map(|(name, _)| name);
-        json!({"name": name, "form": form, "contact": contact})
-    };
+    let shape = |DrawnShape { name, form, contact, .. }: &DrawnShape| json!({"name": name, "form": form.name(), "contact": contact});
     json!({"name": name, "frame": frame, "shapes": shapes.iter().map(shape).collect::<Vec<Value>>()})
 }
 

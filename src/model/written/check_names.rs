@@ -156,11 +156,11 @@ impl SystemDefinition {
         let outputs = outputs.map(|given| ("outputs", given.name.as_str(), given.index.as_deref()));
         let turning = self.turning.iter().map(|turning| ("turning", turning.angle.as_str(), None));
         let motions = self.motions.iter().map(|motion| ("motions", motion.name.as_str(), None));
-        let turning = turning.chain(motions);
         let derived =
             self.derived.iter().map(|derived| ("derived", derived.quantity.name.as_str(), None));
         let outputs = outputs.chain(derived);
-        let names = parameters.chain(indices).chain(coordinates).chain(outputs).chain(turning);
+        let names = parameters.chain(indices).chain(coordinates).chain(outputs);
+        let names = names.chain(turning).chain(motions);
         for (key, name, index) in names {
             let fault = |problem: &str, allowed: &str| {
                 let path = vec![key.to_owned(), with_index(name, index)];

@@ -196,8 +196,7 @@ pub enum WrittenNormal {
 impl WrittenShape {
     /// Returns the keys, below those of the shape, of one of its values.
     pub fn keys_of(&self, value: usize) -> Vec<String> {
-        let named = DrawnForm::ALL.iter().find(|(_, form)| *form == self.form);
-        let form = named.map_or("", |(name, _)| name).to_owned();
+        let form = self.form.name().to_owned();
         let [point, axis] = [value / 2, value % 2].map(|place| format!("[{place}]"));
         match self.form {
             DrawnForm::Circle if value == 2 => vec!["radius".to_owned()],

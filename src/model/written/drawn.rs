@@ -164,7 +164,6 @@ impl FormulaValues for ScriptValues<'_> {
     }
 
     fn call(&mut self, _: usize, function: FormulaFunction, of: String) -> Valued<String> {
-        let named = FormulaFunction::ALL.iter().find(|(_, known)| *known == function);
-        Ok(format!("Math.{}({of})", named.map_or("", |(name, _)| name)))
+        Ok(format!("Math.{}({of})", function.name()))
     }
 }

@@ -113,6 +113,11 @@ impl FormulaFunction {
         ("atan", FormulaFunction::ArcTangent),
         ("log", FormulaFunction::Logarithm),
     ];
+
+    /// Returns the name in formulas.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, function)| *function == self).map_or("", |(name, _)| name)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! The values of the names in an instance, and its mass matrix and forces with these values.
 
-use super::definition::WrittenMotion;
 use super::formula::Valued;
+use super::given_terms::GivenTerms;
 use super::instance::{Instance, Member};
 use super::numeric::{NamedValues, Scalar, Scales};
 
@@ -28,14 +28,9 @@ impl Instance<'_> {
         scales: Scales,
         time: T,
     ) -> Vec<(&str, usize, T)> {
-        let zero = T::constant(0.0);
         let speed = self.definition.speed_place().map(|place| values[place]);
-        let turned = speed.map(|speed| [speed * time, speed, zero]);
-        let at_rest =
-            self.definition.motions.iter().map(|WrittenMotion { motion, unit, .. }| {
-                [T::constant(motion.last() / scales.unit(unit.dimension)), zero, zero]
-            });
-        self.parameters_and_motions(values, turned, at_rest)
+        let terms = GivenTerms::at_rest(self.definition, scales).map(T::constant);
+        self.parameters_and_motions(values, terms.turned_at(speed, time), terms.given_at(time))
     }
 
     /// Returns the parameters by name, and the angle that turns and the given motions with their rates of change.

@@ -203,10 +203,7 @@ impl FormulaValues for LatexValues {
             FormulaFunction::SquareRoot => format!("\\sqrt{{{}}}", of.0),
             FormulaFunction::ArcTangent => format!("\\arctan\\left({}\\right)", of.0),
             FormulaFunction::Logarithm => format!("\\ln\\left({}\\right)", of.0),
-            _ => {
-                let named = FormulaFunction::ALL.iter().find(|(_, known)| *known == function);
-                format!("\\{}\\left({}\\right)", named.map_or("", |(name, _)| name), of.0)
-            }
+            _ => format!("\\{}\\left({}\\right)", function.name(), of.0),
         };
         Ok((text, Binding::Power))
     }

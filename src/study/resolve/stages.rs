@@ -80,7 +80,12 @@ pub(in crate::study) fn resolve_profile(
                 ProfilePart::Hold(Some(*lasts_s))
             }
             ProfilePartFile::Table(table) => {
-                let rows = speeds(folders, &path.key("table"), table)?;
+                let rows = values_over_time(
+                    folders,
+                    &path.key("table"),
+                    table,
+                    COLUMNS.map(str::to_owned),
+                )?;
                 let [first, last] = [rows[0][1], rows[rows.len() - 1][1]];
                 start.get_or_insert(begin(&path, Some(first), speed)?);
                 speed = Some(last);
@@ -119,15 +124,6 @@ fn begin(path: &SourcePath<'_>, from: Option<f64>, before: Option<f64>) -> Resul
         }
         (from, before) => Ok(before.or(from).unwrap_or_default()),
     }
-}
-
-/// Reads the table of a profile: times from 0, ascending, and speeds.
-fn speeds(
-    folders: &TableFolders,
-    path: &SourcePath<'_>,
-    table: &TableKey,
-) -> Result<Vec<[f64; 2]>, StudyError> {
-    values_over_time(folders, path, table, COLUMNS.map(str::to_owned))
 }
 
 fn check_number(path: &SourcePath<'_>, number: usize, what: &str) -> Result<(), StudyError> {
