@@ -301,7 +301,7 @@ model:
       phi: {periodic: true, start: 1, start_rate: 9}
     motions: {push: {table: {columns: [time_s, push], rows: [[0, 0], [2, 4]]}}}
     mass: {"x[k]": {"x[k]": 1}, phi: {phi: 1}}
-    force: {"x[k]": "-x[k] + cos(theta)"}
+    force: {"x[k]": "-x[k] + cos(theta) + push"}
     contacts: {"foot[k]": {normal: 1, sliding: "x[k]'", friction: {coulomb: {coefficient: 0.1}}}}
     draw:
       top:
