@@ -134,7 +134,7 @@ fn decide<S: Vector, K: Kernel<S>>(
         }
         Method::Event => {
             let (at_rest, stopped) = event_driven::stop(phases, speed, stops_at_once(contact));
-            for (contact, stopped) in stopped.into_iter().enumerate() {
+            for (contact, stopped) in stopped.into_iter().enumerate().take(kernel.contacts()) {
                 match kernel.coordinates(contact).1 {
                     Some(component) if stopped => state[component] = 0.0,
                     // A sliding speed that is no component drifts while its contact sticks, by rounding and by the error of steps.

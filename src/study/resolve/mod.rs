@@ -23,6 +23,7 @@ pub(in crate::study) mod sweep;
 pub(in crate::study) mod system;
 mod system_contact;
 mod system_drawing;
+mod system_motions;
 pub(in crate::study) mod uncertain;
 pub(in crate::study) mod uncertain_sampling;
 pub(in crate::study) mod units;

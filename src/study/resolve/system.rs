@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::model::{
-    Bound, FaultAt, Formula, FormulaFault, GivenMotion, IndexedName, ModelKind, SystemDefinition,
-    WHOLE, WrittenCoordinate, WrittenDerived, WrittenMotion, WrittenOutput, WrittenParameter,
-    WrittenTurning, WrittenUnit, unit_ending, written_kind,
+    Bound, FaultAt, Formula, FormulaFault, IndexedName, ModelKind, SystemDefinition, WHOLE,
+    WrittenCoordinate, WrittenDerived, WrittenOutput, WrittenParameter, WrittenTurning,
+    WrittenUnit, written_kind,
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
@@ -20,14 +20,9 @@ use crate::study::file::system_file::{
     OutputKeys, ParameterKeys, SystemFile,
 };
 use crate::study::file::table_folders::TableFolders;
-use crate::study::file::table_input::values_over_time;
 use crate::study::file::unit_keys::Names;
-use crate::study::file::values::TableKey;
 use crate::study::file::yaml_tree::{Content, YamlNode};
 use crate::tabular::to_text;
-
-/// The largest number of rows of all motions over time: each begins a stage of a run.
-const MOST_ROWS: usize = 10_000;
 
 /// The largest number of bodies that an index counts.
 const MOST_BODIES: u64 = 64;
@@ -147,9 +142,9 @@ fn with_hint(error: StudyError, is_cut: bool) -> StudyError {
 /// Reads the parts of a system.
 pub(super) struct Reader<'s> {
     source: &'s Source,
-    folders: &'s TableFolders,
+    pub(super) folders: &'s TableFolders,
     /// The folder of the system file, relative to the study.
-    beside: &'s Path,
+    pub(super) beside: &'s Path,
 }
 
 impl<'s> Reader<'s> {
@@ -234,22 +229,7 @@ impl<'s> Reader<'s> {
             derived.push(WrittenDerived { quantity, within, usual });
         }
         let mut keys = plain(&self.source.root);
-        let mut motions = Vec::new();
-        for (name, entry) in &file.motions {
-            let motion = self.motion(name, entry)?;
-            // The study of finished results has the rows of its tables.
-            keys["motions"][name]["table"] = json!({
-                "columns": motion_columns(name, &motion.unit),
-                "rows": motion.motion.rows(),
-            });
-            motions.push(motion);
-            let rows: usize = motions.iter().map(|given| given.motion.rows().len()).sum();
-            if rows > MOST_ROWS {
-                let allowed = format!("at most {MOST_ROWS} rows in all motions together");
-                let fault = Fault::new("too many rows", rows.to_string(), allowed);
-                return Err(self.path(&["motions", name, "table"]).refuse_value(fault));
-            }
-        }
+        let motions = self.motions(file, &mut keys)?;
         let draw = file.draw.iter().map(|(name, entry)| self.view(name, entry, file));
         let draw = draw.collect::<Result<Vec<_>, StudyError>>()?;
         let turning = file.turning.iter().next();
@@ -348,7 +328,7 @@ impl<'s> Reader<'s> {
     }
 
     /// Returns the unit under the key `unit`, which must be an SI unit.
-    fn si_unit(
+    pub(super) fn si_unit(
         &self,
         path: &SourcePath<'_>,
         written: &str,
@@ -361,25 +341,6 @@ impl<'s> Reader<'s> {
             return Err(refuse(Fault::new("not an SI unit", shorten(written), allowed)));
         }
         Ok(unit)
-    }
-
-    /// Reads a motion that a table gives over time.
-    fn motion(&self, name: &str, entry: &MotionEntry) -> Result<WrittenMotion, StudyError> {
-        let path = self.path(&["motions", name]);
-        let remedy = "; the columns of the table may have other units, as in `road [mm]`";
-        let unit = self.si_unit(&path, entry.unit.as_deref().unwrap_or("1"), remedy)?;
-        self.check_ending(&path, name, &unit)?;
-        if name == "time" {
-            let fault = Fault::new("a name of another column", name, "another name");
-            return Err(path.refuse_key(fault));
-        }
-        let names = motion_columns(name, &unit);
-        let table = match &entry.table {
-            TableKey::File(name) => TableKey::File(self.beside.join(name).display().to_string()),
-            inline @ TableKey::Inline(_) => inline.clone(),
-        };
-        let rows = values_over_time(self.folders, &path.key("table"), &table, names)?;
-        Ok(WrittenMotion { name: name.to_owned(), unit, motion: GivenMotion::new(rows) })
     }
 
     fn coordinate(
@@ -458,7 +419,7 @@ impl<'s> Reader<'s> {
     }
 
     /// Names in tables end with their units, so that a name without a unit must not look like one with a unit.
-    fn check_ending(
+    pub(super) fn check_ending(
         &self,
         path: &SourcePath<'_>,
         name: &str,
@@ -538,11 +499,6 @@ fn refuse(path: &SourcePath<'_>, text: &str, fault: FormulaFault) -> StudyError 
         }
     };
     path.refuse_value(Fault::new(problem, found, allowed))
-}
-
-/// Returns the names of the columns of a motion over time.
-fn motion_columns(name: &str, unit: &WrittenUnit) -> [String; 2] {
-    ["time_s".to_owned(), format!("{name}{}", unit_ending(&unit.si))]
 }
 
 /// Returns a tree as plain values.
