@@ -16,8 +16,8 @@ use crate::study::file::key_units::split_unit;
 use crate::study::file::quantity::{convert, split_number, unit_of};
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::system_file::{
-    BoundFile, CoordinateEntry, DerivedEntry, DerivedKeys, Ends, FormulaText, MotionEntry,
-    OutputKeys, ParameterKeys, SystemFile,
+    BoundFile, CoordinateEntry, DerivedEntry, DerivedKeys, Ends, FormulaText, OutputKeys,
+    ParameterKeys, SystemFile,
 };
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::Names;
