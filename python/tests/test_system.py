@@ -158,7 +158,7 @@ def test_keys_beside_the_equations(double):
     assert double["force"]["phi"].endswith(" + (-0.05 * phi' * torque / g)")
     shown = double._repr_latex_()
     assert shown.startswith(r"$\displaystyle \begin{aligned}") and shown.endswith(r"\end{aligned}$")
-    assert r"\ddot{\phi}" in shown and r"-\frac{0.05 \, \dot{\phi} \, \mathit{torque}}{g}" in shown
+    assert r"\ddot{\phi}" in shown and r"- \frac{0.05 \, \dot{\phi} \, \mathit{torque}}{g}" in shown
 
 
 def test_a_double_pendulum_runs(double):
