@@ -282,7 +282,7 @@ impl FindingPoint<'_> {
         })
     }
 
-    /// Motions of tables, of which a run must see the end.
+    /// Finds runs that end before the last row of a motion.
     fn motions(&self, model: &Model) -> Option<Finding> {
         let end_s = model.end_time_s().unwrap_or(self.study.simulation().end_time_s);
         let ends = model.given_motions().into_iter().filter_map(|motion| motion.times_s().last());

@@ -28,8 +28,8 @@ pub struct Stage {
     pub system: Arc<dyn System>,
     /// Whether the speed changes.
     pub is_driven: bool,
-    /// The non-dimensional time since the begin of the segment of the profile, or of the stage, if it is the last component of the state: for
-    /// a balancer if the speed changes, for another model if its equations change with time.
+    /// The last component of the state, if that is a non-dimensional time. A balancer whose speed changes has the time since the begin
+    /// of the segment of the profile, and another model whose equations change with time that since the begin of the stage.
     time: Option<f64>,
     /// Whether the last component of a start state is a time.
     starts_with_time: bool,

@@ -18,7 +18,7 @@ enum Allowed {
     Constants,
     /// Positions and the time.
     Positions,
-    /// The same in a picture, which is not part of the equations.
+    /// Positions and the time: a formula of a picture. It is not part of the equations.
     InPicture,
     /// Positions and the time, and linearly on rates of change.
     LinearRates,

@@ -24,6 +24,7 @@ pub(in crate::study) mod system;
 mod system_contact;
 mod system_drawing;
 mod system_motions;
+mod system_quantities;
 pub(in crate::study) mod uncertain;
 pub(in crate::study) mod uncertain_sampling;
 pub(in crate::study) mod units;
