@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::cycle_watch::CycleWatch;
 use super::ending::Ending;
+use super::held_bodies::held_margin;
 use super::horizons::{Horizons, TailStatistics, continues};
 use super::lane_step::LaneStep;
 use super::lyapunov;
@@ -173,8 +174,9 @@ impl LaneRun {
             self.still = still;
             let since = if still { group.time_before(lane) } else { time };
             let at = (group.phases(lane), &*group.state(lane));
-            if self.settled.look(&self.view, at, [since, time, self.horizons.now.end]) {
-                return self.end_with(group, lane, Ending::Settled);
+            let settled = self.settled.look(&self.view, at, [since, time, self.horizons.now.end]);
+            if let Some(ending) = settled {
+                return self.end_with(group, lane, ending);
             }
         }
         let may_close = (report.event | report.round | report.turned) & bit != 0;
@@ -243,9 +245,12 @@ impl LaneRun {
 
     /// Returns whether all contacts stick and can never break loose again.
     fn rests(&self, group: &dyn LaneGroup, lane: usize) -> bool {
-        let forms = || self.view.rest_forms();
-        all_stick(group.phases(lane))
-            && forms().is_some_and(|forms| forms.surely_rests(&group.state(lane)))
+        let (phases, state) = (group.phases(lane), group.state(lane));
+        all_stick(phases)
+            && match self.view.rest_forms() {
+                Some(forms) => forms.surely_rests(&state),
+                None => held_margin(&self.view, phases, &state).is_some(),
+            }
     }
 
     /// Schedules the next inspection of the run, and saves the run if its end time may affect the

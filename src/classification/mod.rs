@@ -40,6 +40,7 @@ mod cycle_watch;
 mod derived_rest;
 mod ending;
 mod gap_sample;
+mod held_bodies;
 mod horizons;
 mod in_lockstep;
 mod lane_run;

@@ -1,11 +1,8 @@
 //! Bodies that rest in touch: the force between them is not determined, and they rest if friction holds them for any such force.
 
 use super::system_view::SystemView;
-use crate::model::TOUCHING;
-use crate::motion::{Direction, Forces, Phase, Phases};
+use crate::motion::{Direction, Forces, Phase, Phases, STILL, lies};
 
-/// Bodies in touch that move more slowly than this, non-dimensional, rest: rounding is left of their speeds.
-const STILL: f64 = 1e-12;
 /// Bodies at rest have at most this acceleration, non-dimensional, by rounding.
 const RESTS: f64 = 1e-9;
 /// The largest force between bodies that rest in touch, over that with which one of them is at the limit of its friction, and its
@@ -78,11 +75,6 @@ fn pressed(view: &SystemView, resting: &[Phase], state: &[f64]) -> Option<Forces
         }
     }
     None
-}
-
-/// Returns whether bodies that may separate touch, and do not move apart.
-pub(super) fn lies([gap, speed, _]: &[f64; 3]) -> bool {
-    gap.abs() <= TOUCHING && speed.abs() <= STILL
 }
 
 /// Returns the least part of its friction that a contact that sticks has in reserve; `None` if no contact sticks. Of bodies that

@@ -5,6 +5,7 @@ use super::creep::{creeps, may_creep};
 use super::cycle::Cycle;
 use super::cycle_watch::CycleWatch;
 use super::ending::Ending;
+use super::held_bodies::held_margin;
 use super::horizons::TailStatistics;
 use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
@@ -179,7 +180,10 @@ impl LaneRun {
         let state = step.group.state(step.lane);
         let rest = self.view.rest_forms().map(|forms| forms.at_rest(&state));
         let amplitude = rest.map_or_else(|| self.view.square(&state).sqrt(), |rest| rest.amplitude);
-        let margin = rest.map(|rest| rest.friction_margin).filter(|margin| margin.is_finite());
+        let margin = match rest {
+            Some(rest) => Some(rest.friction_margin).filter(|margin| margin.is_finite()),
+            None => held_margin(&self.view, step.phases(), &state),
+        };
         let revolves = self.view.revolves();
         let force = || self.view.rest_forms()?.contact_force(&state);
         Outcome {

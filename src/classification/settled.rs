@@ -16,10 +16,12 @@
 
 use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 
-use super::rest_in_touch::{at_rest, friction_margin, lies};
+use super::ending::Ending;
+use super::held_bodies::held_margin;
+use super::rest_in_touch::{at_rest, friction_margin};
 use super::system_view::SystemView;
 use crate::model::Friction;
-use crate::motion::Phase;
+use crate::motion::{Phase, lies};
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
 pub(super) const SLOW: f64 = 1e-6;
@@ -54,25 +56,28 @@ pub(super) struct SettledWatch {
 }
 
 impl SettledWatch {
-    /// Returns whether a motion in a state that lasts until `end` has settled; after most steps
+    /// Returns how a motion in a state that lasts until `end` ends, if it has settled or contacts hold all bodies; after most steps
     /// nothing is examined. If everything is slow, it is so since `since` at the latest.
     pub(super) fn look(
         &mut self,
         view: &SystemView,
         (phases, state): (&[Phase], &[f64]),
         [since, time, end]: [f64; 3],
-    ) -> bool {
+    ) -> Option<Ending> {
+        if view.rest_forms().is_none() && held_margin(view, phases, state).is_some() {
+            return Some(Ending::Rest);
+        }
         let slow = || view.evaluator.rates(phases, state).iter().all(|rate| rate.abs() <= SLOW);
         if !(may_settle(view, phases, state) && slow()) {
             self.slow_since = None;
-            return false;
+            return None;
         }
         self.slow_since.get_or_insert(since);
         if time < self.next.min(end) {
-            return false;
+            return None;
         }
         self.next = 1.5 * time;
-        has_settled(view, &at_rest(view, phases, state), state).unwrap_or(false)
+        has_settled(view, &at_rest(view, phases, state), state)?.then_some(Ending::Settled)
     }
 }
 

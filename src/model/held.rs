@@ -69,6 +69,8 @@ pub fn least_force(contacts: &[HeldContact], gaps: &[Gap]) -> Option<f64> {
 
 /// Accuracy of the strength of friction that holds contacts.
 const STRENGTH_ACCURACY: f64 = 1e-12;
+/// The largest such factor that is sought.
+const MOST_STRENGTH: f64 = 1e6;
 
 /// Returns the smallest common factor on the coefficients of friction with which friction holds contacts, for some forces
 /// in gaps that are closed; infinite if none does.
@@ -86,14 +88,20 @@ pub fn strength_that_holds(contacts: &[HeldContact], gaps: &[Gap]) -> f64 {
         let contacts: SmallVec<[HeldContact; 8]> = contacts.iter().map(weaker).collect();
         held(&contacts, gaps).reserve >= 0.0
     };
+    least_strength(MOST_STRENGTH, holds).unwrap_or(f64::INFINITY)
+}
+
+/// Returns the smallest factor on the coefficients of friction with which contacts hold, up to `most`; `None` if they do not hold
+/// with this one.
+pub fn least_strength(most: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
     if holds(0.0) {
-        return 0.0;
+        return Some(0.0);
     }
-    let (mut low, mut high) = (0.0, 1.0);
+    let (mut low, mut high) = (0.0, 1.0_f64);
     while !holds(high) {
         (low, high) = (high, 2.0 * high);
-        if high > 1e6 {
-            return f64::INFINITY;
+        if high > most {
+            return None;
         }
     }
     while high - low > STRENGTH_ACCURACY * high {
@@ -103,7 +111,22 @@ pub fn strength_that_holds(contacts: &[HeldContact], gaps: &[Gap]) -> f64 {
         }
         (low, high) = if holds(middle) { (low, middle) } else { (middle, high) };
     }
-    high
+    Some(high)
+}
+
+/// Returns the largest number of at most `most` that the bounds `b` of all rows `(a, b)` exceed `a · z` by, for some numbers `z`.
+pub fn largest_reserve(rows: &[(Vec<f64>, f64)], most: f64) -> f64 {
+    let least = rows.iter().map(|(_, bound)| *bound).fold(most, f64::min);
+    let count = rows.first().map_or(0, |(coefficients, _)| coefficients.len());
+    // Each number is the difference of two that are not negative. The last variable is the reserve above the least bound.
+    let entries = rows.iter().flat_map(|(coefficients, bound)| {
+        let both = coefficients.iter().flat_map(|coefficient| [*coefficient, -coefficient]);
+        both.chain([1.0, bound - least])
+    });
+    let limit = std::iter::repeat_n(0.0, 2 * count).chain([1.0, most - least]);
+    let table =
+        SimplexTableau { variables: 2 * count + 1, entries: entries.chain(limit).collect() };
+    least + largest_last_variable(table).0
 }
 
 /// Returns the forces with the largest reserve, of forces `λ` of at most `most` in each gap.

@@ -25,6 +25,7 @@
 
 use super::contact_mode::record_contact;
 use super::mechanism_contact::ContactRows;
+use super::redundant_contacts::may_be_dependent;
 use super::shared_loads::SharedLoads;
 use super::{
     Contact, ContactEquations, ContactLayout, Expression, ForcingLayout, MechanismContact,
@@ -124,7 +125,8 @@ impl<'r> Mechanism<'r> {
                 _ => {}
             }
         }
-        let unknowns = recorder.solve(&matrix, &right);
+        let determined = if may_be_dependent(&rows, |row| shared.is_first(row)) { n } else { size };
+        let unknowns = recorder.unknowns(&matrix, &right, (false, determined));
         let sum = |shares: &[Expression<'r>], drift: Expression<'r>| {
             shares.iter().zip(&unknowns).fold(drift, |sum, (share, value)| sum + *share * *value)
         };

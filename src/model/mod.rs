@@ -56,6 +56,7 @@ mod parameter;
 mod parameter_name;
 mod parameter_values;
 mod recorded_balancer;
+mod redundant_contacts;
 mod rest;
 mod rest_in_contact;
 mod shared_loads;
@@ -94,7 +95,8 @@ pub use graph::{
 };
 pub(crate) use graph::{GraphPart, PerStructure};
 pub use held::{
-    GapColumn, HeldContact, Holding, gap_columns, held, least_force, strength_that_holds,
+    GapColumn, HeldContact, Holding, gap_columns, held, largest_reserve, least_force,
+    least_strength, strength_that_holds,
 };
 pub use interval::{Bounded, Interval};
 pub use invalid_parameter::InvalidParameter;

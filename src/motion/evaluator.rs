@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::linear_system::{Solved, Unknowns};
 use super::{Phase, Phases};
-use crate::model::{Components, Dual, Graph, Node, NodeId, Number, Solve, System};
+use crate::model::{Components, Dual, Graph, Node, NodeId, Number, System};
 
 /// Speed, acceleration and forces of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -243,9 +243,8 @@ impl Evaluator {
         let at = |node: NodeId| -> T { values[node as usize] };
         let Node::Solution { solve, row } = *node else { return node.value(at, input, state) };
         if solution.solve != Some(solve) {
-            let Solve { matrix, right, .. } = &self.graph.solves[solve as usize];
             solution.solve = Some(solve);
-            T::solve(matrix, right, at, &mut solution.unknowns);
+            T::solve(&self.graph.solves[solve as usize], at, &mut solution.unknowns);
         }
         solution.unknowns[row as usize]
     }

@@ -108,7 +108,8 @@ impl Evaluator {
                 .iter()
                 .flat_map(|row| rows.iter().map(|column| entry(*row, *column)))
                 .collect();
-            solve_for_each(entries, of_solve.iter_mut().map(|push| &mut push.rates).collect());
+            let rights = of_solve.iter_mut().map(|push| &mut push.rates).collect();
+            solve_for_each(entries, rights, rows.len());
             for UnitImpulse { force: (column, of_force), rates, .. } in of_solve {
                 let of_row = |row: u32| {
                     if row as usize == *column {

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 
 use super::evaluator::{AffectedNodes, Forces, GapForces, Solution, forces};
-use super::linear_system::{SMALL_PIVOT, Solved, Unknowns};
+use super::linear_system::{DEPENDENT_PIVOT, SMALL_PIVOT, Solved, Unknowns};
 use super::{Evaluator, Phase, Phases, SimdLevel};
-use crate::model::{Elementary, Function, NodeId, Number};
+use crate::model::{Elementary, Function, NodeId, Number, Solve};
 
 /// The number of assumptions that are computed together.
 pub(super) const TOGETHER: usize = 8;
@@ -217,20 +217,25 @@ impl Elementary for PerAssumption {
 impl Solved for PerAssumption {
     /// Eliminates as [`super::linear_system::solved`] does; each assumption exchanges the rows with its own small pivots.
     #[inline(always)]
-    fn solve(
-        matrix: &[NodeId],
-        right: &[NodeId],
-        at: impl Fn(NodeId) -> Self,
-        unknowns: &mut Unknowns<Self>,
-    ) {
-        let size = right.len();
-        let mut matrix: Vec<PerAssumption> = matrix.iter().map(|node| at(*node)).collect();
-        *unknowns = right.iter().map(|node| at(*node)).collect();
+    fn solve(system: &Solve, at: impl Fn(NodeId) -> Self, unknowns: &mut Unknowns<Self>) {
+        let size = system.right.len();
+        let mut matrix: Vec<PerAssumption> = system.matrix.iter().map(|node| at(*node)).collect();
+        *unknowns = system.right.iter().map(|node| at(*node)).collect();
         let right = unknowns;
         let sizes = |number: PerAssumption| number.each(f64::abs);
         let largest = |row: &[PerAssumption]| {
             row.iter().fold(PerAssumption::constant(0.0), |most, entry| {
                 most.with(sizes(*entry), f64::max)
+            })
+        };
+        let inverse_of = |pivot: PerAssumption, unknown: usize, scale: PerAssumption| {
+            if unknown < system.determined {
+                return pivot.reciprocal();
+            }
+            let is_negligible = |pivot: f64, scale: f64| pivot.abs() < DEPENDENT_PIVOT * scale;
+            pivot.with(scale, |pivot, scale| match is_negligible(pivot, scale) {
+                true => 0.0,
+                false => Number::reciprocal(pivot),
             })
         };
         let mut scales: SmallVec<[PerAssumption; 16]> =
@@ -257,7 +262,7 @@ impl Solved for PerAssumption {
                     exchange(is_small, &mut above[column], &mut below[0]);
                 }
             }
-            let inverse = matrix[column * size + column].reciprocal();
+            let inverse = inverse_of(matrix[column * size + column], column, scales[column]);
             for row in column + 1..size {
                 let entry = matrix[row * size + column];
                 if entry.is_zero() {
@@ -281,7 +286,7 @@ impl Solved for PerAssumption {
                     right[row] = right[row] - entry * right[column];
                 }
             }
-            right[row] = right[row] * matrix[row * size + row].reciprocal();
+            right[row] = right[row] * inverse_of(matrix[row * size + row], row, scales[row]);
         }
     }
 }

@@ -49,6 +49,7 @@ pub use incremental_forces::IncrementalForces;
 pub use lockstep::SimdLevel;
 pub(crate) use phase::any_closed;
 pub use phase::{Direction, PerContact, Phase, Phases, all_stick};
+pub(crate) use residual_speeds::{STILL, lies};
 pub use root::fall_through_zero;
 pub use settings::{Effort, SLOW, Settings, Touches, most_steps_by};
 pub use single::{Instant, Motion};

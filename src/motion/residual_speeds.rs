@@ -4,12 +4,20 @@
 use smallvec::SmallVec;
 
 use super::impulse_response::ImpactPlace;
+use super::stick_slip::first_phases;
 use super::touching_system::TouchingSystem;
 use super::{Phase, Phases};
 use crate::model::{Components, TOUCHING};
 
+/// Bodies in touch that move more slowly than this, non-dimensional, rest: rounding is left of their speeds.
+pub(crate) const STILL: f64 = 1e-12;
 /// The number of times that all speeds at rest are removed in turn.
 const MOST_SWEEPS: usize = 20;
+
+/// Returns whether bodies that may separate touch, and do not move apart.
+pub(crate) fn lies([gap, speed, _]: &[f64; 3]) -> bool {
+    gap.abs() <= TOUCHING && speed.abs() <= STILL
+}
 
 impl TouchingSystem<'_> {
     /// Stops a contact, if its speed is a component.
@@ -31,12 +39,26 @@ impl TouchingSystem<'_> {
         }
     }
 
-    /// Closes the gaps whose contacts are at each other with equal speeds, such as two that have stopped there.
+    /// Closes the gaps whose contacts are at each other with equal speeds, such as two that have stopped there. Bodies that lie at
+    /// each other without a force touch again, too: one of them may set off towards the other.
     ///
     /// An impact moves all contacts a little. Contacts that rest in touch separate by less than can be resolved, and stop
     /// again. Where one of them needs the force of the other, it would then fall on it over the width within which impacts
     /// are located, and this impact would separate others in the same way, without end.
     pub(super) fn close(&self, state: &[f64], phases: &mut Phases) {
+        let at = self.evaluator.openings(|component| state[component]);
+        let lie = |place: &usize| {
+            phases[self.openings[*place].contact] == Phase::Apart && lies(&at[*place])
+        };
+        let that_lie: SmallVec<[usize; 4]> = (0..at.len()).filter(lie).collect();
+        for place in that_lie {
+            let contact = self.openings[place].contact;
+            let friction = self.evaluator.system().friction(contact);
+            let touching = std::iter::once((friction, at[place][2]));
+            phases[contact] =
+                first_phases(self.settings.method, self.settings.band, touching, &[Phase::Stick])
+                    [0];
+        }
         for (gap, phase) in self.gaps.iter().zip(&mut phases[self.contacts()..]) {
             let [behind, ahead] = gap.contacts.map(|contact| state[self.speed_at_gap(contact)]);
             if behind == ahead && self.width(gap, state) <= TOUCHING {

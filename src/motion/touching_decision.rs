@@ -31,6 +31,9 @@ use crate::model::{Holding, Method};
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
 
+/// What decays of a gap accelerates bodies by less than this factor times its size.
+const RESIDUAL: f64 = 10.0;
+
 /// So few combinations are computed one by one.
 const FEW: usize = 3;
 
@@ -46,7 +49,7 @@ impl TouchingSystem<'_> {
             let model = RecordedForces::new(self.evaluator, state);
             return decide_at_rest(self.settings.method, &model, phases, fixed);
         }
-        let slack = self.slack();
+        let slack = self.slack() + RESIDUAL * self.residual_of_gaps(state, phases);
         let given = phases.clone();
         let mut equations = self.evaluator.incremental_forces(state);
         type Found = (Forces, SmallVec<[GapForces; 8]>);
@@ -78,7 +81,7 @@ impl TouchingSystem<'_> {
                     return None;
                 }
                 let found = equations.forces_and_gaps(candidate);
-                fits(candidate, &found, least).then(|| self.of_motion(candidate, found))
+                fits(candidate, &found, least).then(|| self.of_motion(found))
             })
         };
         let (decided, forces) = match only(least) {
@@ -142,23 +145,26 @@ impl TouchingSystem<'_> {
         }
     }
 
-    /// Returns forces that tell two motions apart, and by which the normal forces are sound: an opening is a contact, too, and
-    /// its conditions are known to hold.
-    fn of_motion(
-        &self,
-        phases: &[Phase],
-        (mut forces, gaps): (Forces, SmallVec<[GapForces; 8]>),
-    ) -> Forces {
+    /// Returns forces that tell two motions apart, those of the openings behind those of the contacts, and by which the normal forces
+    /// are sound: an opening is a contact, too, and its conditions are known to hold.
+    fn of_motion(&self, (mut forces, gaps): (Forces, SmallVec<[GapForces; 8]>)) -> Forces {
         for (opening, found) in self.openings.iter().zip(&gaps[self.gaps.len()..]) {
             let contact = &mut forces[opening.contact];
             if contact.normal.is_finite() {
                 contact.normal = 1.0;
             }
-            if phases[opening.contact] == Phase::Apart {
-                contact.acceleration = found.opening_acceleration;
-            }
+            let opens = ContactForces { acceleration: found.opening_acceleration, ..*contact };
+            forces.push(opens);
         }
         forces
+    }
+
+    /// Returns what is left of the gaps of contacts that touch, which decays.
+    fn residual_of_gaps(&self, state: &[f64], phases: &[Phase]) -> f64 {
+        let at = self.evaluator.openings(|component| state[component]);
+        let touching = self.openings.iter().zip(at);
+        let touching = touching.filter(|(opening, _)| phases[opening.contact] != Phase::Apart);
+        touching.map(|(_, [gap, speed, _])| gap.abs() + 2.0 * speed.abs()).fold(0.0, f64::max)
     }
 
     /// Returns the slack of the conditions.

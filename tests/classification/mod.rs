@@ -13,6 +13,7 @@ mod endings;
 mod extend;
 mod forced;
 mod friction_laws;
+mod held_bodies;
 mod limit_cycle;
 mod lockstep;
 mod lyapunov;

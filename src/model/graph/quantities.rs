@@ -55,7 +55,7 @@ impl Recorder {
         matrix: &[Vec<Expression<'r>>],
         right: &[Expression<'r>],
     ) -> Vec<Expression<'r>> {
-        self.unknowns(matrix, right, false)
+        self.unknowns(matrix, right, (false, right.len()))
     }
 
     /// Returns the accelerations `x` of coordinates, which solve the equations of motion `A x = b`. Reactions, such as the forces
@@ -72,20 +72,22 @@ impl Recorder {
         matrix: &[Vec<Expression<'r>>],
         right: &[Expression<'r>],
     ) -> Vec<Expression<'r>> {
-        self.unknowns(matrix, right, true)
+        self.unknowns(matrix, right, (true, right.len()))
     }
 
-    fn unknowns<'r>(
+    /// Returns the unknowns of [`Recorder::accelerations`], with a sound diagonal, or of [`Recorder::solve`]. The equations determine
+    /// the first of them; those of the others that dependent equations leave open are 0.
+    pub(in crate::model) fn unknowns<'r>(
         &'r self,
         matrix: &[Vec<Expression<'r>>],
         right: &[Expression<'r>],
-        has_sound_diagonal: bool,
+        (has_sound_diagonal, determined): (bool, usize),
     ) -> Vec<Expression<'r>> {
         let size = right.len();
         assert!(matrix.len() == size && matrix.iter().all(|row| row.len() == size), "not square");
         let ids = |all: &[Expression<'r>]| all.iter().map(|part| part.id(self)).collect::<Vec<_>>();
         let matrix = matrix.iter().flat_map(|row| ids(row)).collect();
-        let solve = Solve { matrix, right: ids(right), has_sound_diagonal };
+        let solve = Solve { matrix, right: ids(right), has_sound_diagonal, determined };
         let index = self.0.borrow().solves.len() as u32;
         self.0.borrow_mut().solves.push(solve);
         let rows = 0..size as u32;

@@ -1,7 +1,7 @@
 //! The solution of a linear system as instructions: factors once, then any number of right-hand sides.
 
 use crate::graph::{Builder, Cell, Product};
-use crate::motion::linear_system::SMALL_PIVOT;
+use crate::motion::linear_system::{DEPENDENT_PIVOT, SMALL_PIVOT};
 
 /// The factors `L U` of a matrix, whose rows with small pivots are exchanged ([`SMALL_PIVOT`]). Entries that are always zero
 /// are left out.
@@ -53,8 +53,12 @@ fn first_unknowns(is_entry: &[bool], units: &[bool]) -> Vec<usize> {
 
 impl LuFactors {
     /// Factors a matrix with these entries, row by row. The unknowns of `units` may be eliminated first; their diagonal
-    /// entries are 1.
-    pub(super) fn new(builder: &mut Builder, entries: &[Option<Cell>], units: &[bool]) -> Self {
+    /// entries are 1. The equations determine the first `determined` unknowns; of the others, those are 0 whose pivots are negligible.
+    pub(super) fn new(
+        builder: &mut Builder,
+        entries: &[Option<Cell>],
+        (units, determined): (&[bool], usize),
+    ) -> Self {
         let size = units.len();
         let is_entry: Vec<bool> = entries.iter().map(Option::is_some).collect();
         let mut order = first_unknowns(&is_entry, units);
@@ -69,10 +73,10 @@ impl LuFactors {
             all.inverses.push(None);
             all.eliminate(builder, column);
         }
-        if certain + 2 == size {
+        if certain + 2 == size && determined == size {
             all.invert_last(builder);
         } else {
-            all.eliminate_rest(builder, certain);
+            all.eliminate_rest(builder, certain, determined);
         }
         all
     }
@@ -114,7 +118,7 @@ impl LuFactors {
     }
 
     /// Eliminates the unknowns from `first` on, with exchanges.
-    fn eliminate_rest(&mut self, builder: &mut Builder, first: usize) {
+    fn eliminate_rest(&mut self, builder: &mut Builder, first: usize, determined: usize) {
         let size = self.order.len();
         let [zero, one, small] = [0.0, 1.0, SMALL_PIVOT].map(|number| builder.number(number));
         let mut scales = vec![zero; size];
@@ -143,7 +147,13 @@ impl LuFactors {
                 scales[row] = builder.choice(less, above, below);
             }
             let pivot = self.entries[column * size + column].unwrap_or(zero);
-            self.inverses.push(Some(builder.quotient(one, pivot)));
+            let mut inverse = builder.quotient(one, pivot);
+            if self.order[column] >= determined {
+                let negligible = builder.number(DEPENDENT_PIVOT);
+                let less = [builder.size(pivot), builder.product(negligible, scales[column])];
+                inverse = builder.choice(less, zero, inverse);
+            }
+            self.inverses.push(Some(inverse));
             self.eliminate(builder, column);
         }
     }

@@ -45,6 +45,8 @@ pub(super) enum Operation {
         right: Vec<Slot>,
         out: Vec<Slot>,
         units: Vec<bool>,
+        /// The number of first unknowns that the equations determine.
+        determined: usize,
     },
 }
 

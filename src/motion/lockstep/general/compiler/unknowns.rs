@@ -76,7 +76,8 @@ impl Compiler<'_> {
                 self.slot_of[place] = Some(out[row as usize]);
             }
         }
-        self.operations.push(Operation::Solve { matrix, products, right, out, units });
+        let determined = solve.determined;
+        self.operations.push(Operation::Solve { matrix, products, right, out, units, determined });
     }
 
     /// Adds the product of a series and an unknown to those of a row.

@@ -43,14 +43,16 @@ impl Expansion<'_> {
 
     /// Computes the coefficients of order `k` of the solution of a linear system, which is factored at order zero.
     pub(super) fn solve(&mut self, place: usize, operation: &Operation, k: usize) {
-        let Operation::Solve { matrix, products: in_rows, right, out, units } = operation else {
+        let Operation::Solve { matrix, products: in_rows, right, out, units, determined } =
+            operation
+        else {
             return;
         };
         let size = right.len();
         if k == 0 {
             let entries: Vec<_> = matrix.iter().map(|entry| self.entry(place, entry)).collect();
             self.lower[place].elimination =
-                Some(LuFactors::new(&mut self.builder, &entries, units));
+                Some(LuFactors::new(&mut self.builder, &entries, (units, *determined)));
         }
         // The sums without the coefficients of order `k` of the unknowns.
         let mut known = HashMap::new();
