@@ -12,7 +12,7 @@ use super::lane_step::LaneStep;
 use super::lyapunov;
 use super::outcome::Outcome;
 use super::run_recorder::RunRecorder;
-use super::settled::SettledWatch;
+use super::settled::{RestKind, SettledWatch};
 use super::stages::Stages;
 use super::step_limit::effort_limit;
 use super::system_view::SystemView;
@@ -175,7 +175,11 @@ impl LaneRun {
             let since = if still { group.time_before(lane) } else { time };
             let at = (group.phases(lane), &*group.state(lane));
             let settled = self.settled.look(&self.view, at, [since, time, self.horizons.now.end]);
-            if let Some(ending) = settled {
+            if let Some(at_rest) = settled {
+                let ending = match at_rest {
+                    RestKind::Settled => Ending::Settled,
+                    RestKind::Held => Ending::Rest,
+                };
                 return self.end_with(group, lane, ending);
             }
         }

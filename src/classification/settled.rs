@@ -16,9 +16,8 @@
 
 use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 
-use super::ending::Ending;
-use super::held_bodies::held_margin;
-use super::rest_in_touch::{at_rest, friction_margin};
+use super::held_bodies::{friction_margin, held_margin};
+use super::rest_in_touch::at_rest;
 use super::system_view::SystemView;
 use crate::model::Friction;
 use crate::motion::{Phase, lies};
@@ -46,6 +45,14 @@ const SLIDES: f64 = 1e-3;
 /// At an equilibrium, each contact that sticks has at least this part of its friction in reserve.
 const RESERVE: f64 = 1e-6;
 
+/// How a motion is at rest.
+pub(super) enum RestKind {
+    /// It has settled.
+    Settled,
+    /// Contacts hold all bodies.
+    Held,
+}
+
 /// Schedules the examinations so that their cost stays bounded: each waits for half of the time
 /// elapsed, or for the end of the run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,19 +63,21 @@ pub(super) struct SettledWatch {
 }
 
 impl SettledWatch {
-    /// Returns how a motion in a state that lasts until `end` ends, if it has settled or contacts hold all bodies; after most steps
+    /// Returns how a motion is at rest in a state that lasts until `end`, if it is; after most steps
     /// nothing is examined. If everything is slow, it is so since `since` at the latest.
     pub(super) fn look(
         &mut self,
         view: &SystemView,
         (phases, state): (&[Phase], &[f64]),
         [since, time, end]: [f64; 3],
-    ) -> Option<Ending> {
-        if view.rest_forms().is_none() && held_margin(view, phases, state).is_some() {
-            return Some(Ending::Rest);
+    ) -> Option<RestKind> {
+        if !may_settle(view, phases, state) {
+            self.slow_since = None;
+            let is_held = || held_margin(view, phases, state).is_some();
+            return (view.rest_forms().is_none() && is_held()).then_some(RestKind::Held);
         }
-        let slow = || view.evaluator.rates(phases, state).iter().all(|rate| rate.abs() <= SLOW);
-        if !(may_settle(view, phases, state) && slow()) {
+        let rates = view.evaluator.rates(phases, state);
+        if !rates.iter().all(|rate| rate.abs() <= SLOW) {
             self.slow_since = None;
             return None;
         }
@@ -77,7 +86,7 @@ impl SettledWatch {
             return None;
         }
         self.next = 1.5 * time;
-        has_settled(view, &at_rest(view, phases, state), state)?.then_some(Ending::Settled)
+        has_settled(view, &at_rest(view, phases, state), state)?.then_some(RestKind::Settled)
     }
 }
 

@@ -70,7 +70,7 @@ pub fn least_force(contacts: &[HeldContact], gaps: &[Gap]) -> Option<f64> {
 /// Accuracy of the strength of friction that holds contacts.
 const STRENGTH_ACCURACY: f64 = 1e-12;
 /// The largest such factor that is sought.
-const MOST_STRENGTH: f64 = 1e6;
+pub const MOST_STRENGTH: f64 = 1e6;
 
 /// Returns the smallest common factor on the coefficients of friction with which friction holds contacts, for some forces
 /// in gaps that are closed; infinite if none does.

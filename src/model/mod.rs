@@ -95,8 +95,8 @@ pub use graph::{
 };
 pub(crate) use graph::{GraphPart, PerStructure};
 pub use held::{
-    GapColumn, HeldContact, Holding, gap_columns, held, largest_reserve, least_force,
-    least_strength, strength_that_holds,
+    GapColumn, HeldContact, Holding, MOST_STRENGTH, gap_columns, held, largest_reserve,
+    least_force, least_strength, strength_that_holds,
 };
 pub use interval::{Bounded, Interval};
 pub use invalid_parameter::InvalidParameter;

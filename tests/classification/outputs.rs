@@ -170,8 +170,8 @@ outputs: {height: h}";
     }
 }
 
-/// A bead falls into a bowl and slides on it until friction holds it, where the slope is at most the coefficient. The factors of
-/// its sliding speed change with its place, so that its rest is not certified.
+/// A bead falls into a bowl and slides on it until friction holds it, where the slope is at most the coefficient. The normal force is
+/// that on the gap, which is the vertical distance.
 #[test]
 fn a_bead_stops_where_the_slope_of_a_bowl_is_small() {
     let system = "parameters: {m: 1 kg, g: 9.81 m/s^2, mu: 0.2, a: 1.0 1/m}
@@ -186,9 +186,11 @@ contacts:
     sliding: (x' + 2 * a * x * y') / sqrt(1 + 4 * a^2 * x^2)
     friction: {coulomb: {coefficient: mu}}";
     for outcome in outcomes(system, 12, 10.0) {
-        assert_eq!(outcome.evidence.name(), "end_time", "{outcome:?}");
+        assert_eq!(outcome.evidence.name(), "rest_certified", "{outcome:?}");
         let x = outcome.outputs[0].end;
-        assert!((2.0 * x).abs() <= 0.2 + 1e-9, "{x}");
+        let margin = 1.0 - (2.0 * x).abs() * (2.0 * x).hypot(1.0) / 0.2;
+        let found = outcome.evidence.friction_margin().expect("the bead sticks");
+        assert!((found - margin).abs() < 1e-9, "{found} {margin} {x}");
         assert_values(&outcome, 1, &[(OutputValue::Mean, x * x)]);
         assert_values(&outcome, 2, &[(OutputValue::Least, 0.0), (OutputValue::Greatest, 0.0)]);
     }
