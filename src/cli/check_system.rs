@@ -73,7 +73,8 @@ fn rest_in_words(model: &Model) -> String {
     match without.is_empty() {
         true => "certified where all contacts stick and cannot break loose again".to_owned(),
         false => format!(
-            "not certified: {} may stick while all coordinates move, or has a sliding speed with factors that change",
+            "certified where contacts hold all bodies in all directions; not while one of them moves on, because {} may stick \
+             while all coordinates move, or has a sliding speed with factors that change",
             without.join(", ")
         ),
     }

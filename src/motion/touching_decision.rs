@@ -31,9 +31,6 @@ use crate::model::{Holding, Method};
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
 
-/// What decays of a gap accelerates bodies by less than this factor times its size.
-const RESIDUAL: f64 = 10.0;
-
 /// So few combinations are computed one by one.
 const FEW: usize = 3;
 
@@ -49,7 +46,10 @@ impl TouchingSystem<'_> {
             let model = RecordedForces::new(self.evaluator, state);
             return decide_at_rest(self.settings.method, &model, phases, fixed);
         }
-        let slack = self.slack() + RESIDUAL * self.residual_of_gaps(state, phases);
+        let slack = match self.settings.method {
+            Method::Switch => self.slack(),
+            Method::Event => self.slack() + self.residual_of_gaps(state, phases),
+        };
         let given = phases.clone();
         let mut equations = self.evaluator.incremental_forces(state);
         type Found = (Forces, SmallVec<[GapForces; 8]>);
@@ -159,7 +159,8 @@ impl TouchingSystem<'_> {
         forces
     }
 
-    /// Returns what is left of the gaps of contacts that touch, which decays.
+    /// Returns the largest acceleration with which what is left of the gaps of contacts that touch decays. Bodies that are held cannot
+    /// follow it.
     fn residual_of_gaps(&self, state: &[f64], phases: &[Phase]) -> f64 {
         let at = self.evaluator.openings(|component| state[component]);
         let touching = self.openings.iter().zip(at);

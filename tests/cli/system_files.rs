@@ -128,7 +128,7 @@ fn check_prints_the_equations() {
             "m_bird * l_bird",
             "-(m_bird + m_sleeve) * g",
             "restitution: 0.5",
-            "not certified: contact `lower`, contact `upper` may stick",
+            "moves on, because contact `lower`, contact `upper` may stick",
             "natural frequency 458",
         ],
     );
