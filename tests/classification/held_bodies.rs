@@ -1,11 +1,12 @@
 //! Bodies that contacts hold more than once, whose forces rigid bodies do not determine: they move as if each motion had the forces
 //! it needs, and rest where some forces within friction hold them.
 
+use rayon::prelude::*;
 use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{Method, OutputValue};
 
 use super::outputs::{cases, outcomes};
-use crate::support::{cases_of, parse};
+use crate::support::{cases_of, parse, shipped_study};
 
 /// Returns the outcomes of a box on feet at these places, which a spring pulls; by both methods.
 fn boxes(feet: &[&str]) -> [Vec<Outcome>; 2] {
@@ -165,4 +166,69 @@ fn balls_of_a_rotor_rest_in_touch_and_set_off() {
             assert_eq!(outcome.evidence.name(), "periodic_rest", "{balls} {run}: {outcome:?}");
         }
     }
+}
+
+/// A block that stands tilted on one corner falls onto the other one and rocks on with the part `1 - 3/2 sin² α` of its speed (G. W.
+/// Housner, Bull. Seismol. Soc. Am. 53 (1963) 403), where `α` is the angle of its diagonal from the vertical. Its energy above that of
+/// rest is the square of this part.
+#[test]
+fn a_block_rocks_as_housner_says() {
+    let [b, h, g, tilt] = [0.2_f64, 0.6, 9.81, 0.1];
+    let system = format!(
+        "parameters: {{m: 3 kg, b: {b} m, h: {h} m, g: {g} m/s^2, mu: 2}}\n\
+         coordinates:\n  x: {{unit: m}}\n  y: {{unit: m, start: {:?}}}\n  phi: {{unit: rad, start: {tilt}}}\n\
+         mass: {{x: {{x: m}}, y: {{y: m}}, phi: {{phi: m * (b^2 + h^2) / 3}}}}\nforce: {{y: -m * g}}\ncontacts:\n  \
+         left: {{gap: y - b * sin(phi) - h * cos(phi), sliding: \"x' + phi' * (b * sin(phi) + h * cos(phi))\", friction: {{coulomb: {{coefficient: mu}}}}}}\n  \
+         right: {{gap: y + b * sin(phi) - h * cos(phi), sliding: \"x' - phi' * (b * sin(phi) - h * cos(phi))\", friction: {{coulomb: {{coefficient: mu}}}}}}\n\
+         outputs: {{energy: m * (x'^2 + y'^2 + (b^2 + h^2) / 3 * phi'^2) / 2 + m * g * (y - h)}}",
+        b * tilt.sin() + h * tilt.cos(),
+    );
+    let diagonal = b.hypot(h);
+    let slope = (b / h).atan();
+    let pace = (0.75 * g / diagonal).sqrt();
+    // The time until the first impact of a slender block, and half of it again.
+    let end = 1.5 * (1.0 / (1.0 - tilt / slope)).acosh() / pace;
+    let energy = 3.0 * g * diagonal * ((slope - tilt).cos() - slope.cos());
+    for outcome in outcomes(&system, 1, end).iter().chain(&outcomes(&system, 1, 60.0)) {
+        let found = outcome.outputs.last().expect("the energy").end;
+        let part = 1.0 - 1.5 * slope.sin().powi(2);
+        let is_at_rest = outcome.evidence.name() == "rest_certified";
+        let expected = if is_at_rest { 0.0 } else { part * part * energy };
+        assert!((found - expected).abs() < 1e-9 * energy, "{found} {expected} {outcome:?}");
+        assert_eq!(
+            is_at_rest,
+            outcome.end_time_s.is_some_and(|time_s| time_s > end),
+            "{outcome:?}"
+        );
+    }
+}
+
+/// Blocks that the ground shakes slide, rock and come to rest. The page of system files says how many of them lie on a side then; both
+/// methods agree on each.
+#[test]
+fn blocks_topple_as_often_as_the_page_says() {
+    let page = include_str!("../../docs/system-files.md");
+    let cases = cases_of(&shipped_study("rocking-block.yaml"));
+    let topples = |method| -> Vec<bool> {
+        let topples = |case: &stickslip::model::Case| {
+            let mut case = case.clone();
+            case.simulation.method = method;
+            let outcome = simulate(&case);
+            assert_eq!(outcome.evidence.name(), "rest_certified", "{outcome:?}");
+            let lies = outcome.outputs.last().expect("whether it lies").end;
+            assert!(lies.min((1.0 - lies).abs()) < 1e-9, "{lies}");
+            lies > 0.5
+        };
+        cases.par_iter().map(topples).collect()
+    };
+    let toppled = topples(Method::Event);
+    assert_eq!(toppled, topples(Method::Switch));
+    let shares: Vec<String> = toppled
+        .chunks(40)
+        .map(|runs| runs.iter().filter(|lies| **lies).count() as f64 / 0.4)
+        .map(|percent| percent.to_string())
+        .collect();
+    let [first @ .., last] = &shares[..] else { panic!("no points") };
+    let sentence = format!("and friction {} and {last} % for", first.join(", "));
+    assert!(page.contains(&sentence), "{sentence}");
 }

@@ -442,7 +442,14 @@ fn equations_in_latex() {
         pad(2)
     );
     assert_eq!(equations(text), expected);
-    for file in ["woodpecker", "ball_balancer", "unbalanced_shaft", "block_chain", "shaken_block"] {
+    for file in [
+        "woodpecker",
+        "ball_balancer",
+        "unbalanced_shaft",
+        "block_chain",
+        "shaken_block",
+        "rocking_block",
+    ] {
         let text = std::fs::read_to_string(shipped(&format!("systems/{file}.yaml"))).expect(file);
         let latex = equations(&text);
         let depth = latex.chars().try_fold(0_u32, |depth, letter| match letter {
