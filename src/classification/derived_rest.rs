@@ -22,6 +22,11 @@ use crate::motion::{Evaluator, PerContact, Phase, Phases};
 /// nearly in proportion to them, is bounded with this factor.
 const RESIDUAL: f64 = 2.0;
 
+/// Motions at positions of the contacts that differ by at most this, non-dimensional, are nearly equal; a certificate fails by far if it
+/// fails at this part of the distance.
+const NEARBY: f64 = 1e-6;
+const FAR: f64 = 0.5;
+
 /// The most steps of Newton's method, and the size of the last of them, over 1 and the largest component.
 const MOST_STEPS: usize = 20;
 const THERE: f64 = 1e-12;
@@ -210,6 +215,24 @@ impl DerivedRest {
         Some(StuckMotion { matrix, rest, distance, contacts, amplitude })
     }
 
+    /// Returns whether the motion at positions of the contacts nearby shows that the contacts will break loose, or may. Most states in
+    /// which all contacts stick are such states, and residual speeds change the positions a little.
+    fn is_far(&self, state: &[f64]) -> bool {
+        // A panic while the motion is locked leaves it complete.
+        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((positions, Some(motion))) = &*latest else { return false };
+        let mut shifts =
+            positions.iter().zip(&self.positions).map(|(of, place)| (of - state[*place]).abs());
+        if !self.evaluator.graph().gaps.is_empty() || !shifts.all(|shift| shift <= NEARBY) {
+            return false;
+        }
+        let free = self.free.iter().map(|component| state[*component]);
+        let displaced = DVector::from_iterator(self.free.len(), free) - &motion.rest;
+        let distance = FAR * motion.distance.size(&displaced) - NEARBY / FAR;
+        let none = SmallVec::<[[f64; 2]; 8]>::from_elem([0.0; 2], positions.len());
+        distance > 0.0 && !motion.holds_all_contacts(&[], 1.0, distance, &none)
+    }
+
     /// Returns the gaps that are closed in a state.
     fn closed_gaps(&self, state: &[f64]) -> Vec<Gap> {
         let gaps = self.evaluator.system().touching().map_or(&[][..], |touching| touching.gaps());
@@ -265,8 +288,8 @@ impl DerivedRest {
 impl RestForms for DerivedRest {
     fn surely_rests(&self, state: &[f64]) -> bool {
         // Without free components nothing changes any more, and the contacts stick.
-        self.free.is_empty()
-            || self.motion(state).is_some_and(|motion| self.holds(&motion, state, 0.0))
+        let holds = || self.motion(state).is_some_and(|motion| self.holds(&motion, state, 0.0));
+        self.free.is_empty() || !self.is_far(state) && holds()
     }
 
     fn rests(&self, state: &[f64]) -> bool {

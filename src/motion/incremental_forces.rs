@@ -7,7 +7,7 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 
 use super::evaluator::{AffectedNodes, Forces, GapForces, Solution, forces};
-use super::linear_system::{DEPENDENT_PIVOT, SMALL_PIVOT, Solved, Unknowns};
+use super::linear_system::{SMALL_PIVOT, Solved, Unknowns};
 use super::{Evaluator, Phase, Phases, SimdLevel};
 use crate::model::{Elementary, Function, NodeId, Number, Solve};
 
@@ -45,6 +45,11 @@ impl IncrementalForces<'_> {
     pub fn forces_and_gaps(&mut self, phases: &[Phase]) -> (Forces, SmallVec<[GapForces; 8]>) {
         self.assume(phases);
         self.read(|node| self.values[node as usize])
+    }
+
+    /// Returns whether the equations determine all forces, so that several assumptions can be computed together.
+    pub(super) fn are_determined(&self) -> bool {
+        self.evaluator.graph().solves.iter().all(|solve| solve.determined == solve.right.len())
     }
 
     /// Returns forces and accelerations of all contacts, gaps and openings for each of some assumptions, to rounding.
@@ -228,16 +233,6 @@ impl Solved for PerAssumption {
                 most.with(sizes(*entry), f64::max)
             })
         };
-        let inverse_of = |pivot: PerAssumption, unknown: usize, scale: PerAssumption| {
-            if unknown < system.determined {
-                return pivot.reciprocal();
-            }
-            let is_negligible = |pivot: f64, scale: f64| pivot.abs() < DEPENDENT_PIVOT * scale;
-            pivot.with(scale, |pivot, scale| match is_negligible(pivot, scale) {
-                true => 0.0,
-                false => Number::reciprocal(pivot),
-            })
-        };
         let mut scales: SmallVec<[PerAssumption; 16]> =
             matrix.chunks(size.max(1)).map(largest).collect();
         for column in 0..size {
@@ -262,7 +257,7 @@ impl Solved for PerAssumption {
                     exchange(is_small, &mut above[column], &mut below[0]);
                 }
             }
-            let inverse = inverse_of(matrix[column * size + column], column, scales[column]);
+            let inverse = matrix[column * size + column].reciprocal();
             for row in column + 1..size {
                 let entry = matrix[row * size + column];
                 if entry.is_zero() {
@@ -286,7 +281,7 @@ impl Solved for PerAssumption {
                     right[row] = right[row] - entry * right[column];
                 }
             }
-            right[row] = right[row] * inverse_of(matrix[row * size + row], row, scales[row]);
+            right[row] = right[row] * matrix[row * size + row].reciprocal();
         }
     }
 }

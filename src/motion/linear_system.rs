@@ -40,8 +40,8 @@ pub(super) fn solved<T: Elementary>(matrix: Entries<T>, mut right: Unknowns<T>) 
     right
 }
 
-/// Replaces each right side by the solution that [`solved`] returns for it. The equations determine the first unknowns; of the others,
-/// those are 0 whose pivots are negligible.
+/// Replaces each right side by the solution that [`solved`] returns for it. The equations determine the first unknowns. Of the others,
+/// those are 0 that no remaining equation contains with more than rounding; their equations remain for later unknowns.
 pub(super) fn solve_for_each<T: Elementary>(
     mut matrix: Entries<T>,
     mut rights: SmallVec<[&mut Unknowns<T>; 1]>,
@@ -49,24 +49,27 @@ pub(super) fn solve_for_each<T: Elementary>(
 ) {
     let size = rights.first().map_or(0, |right| right.len());
     let largest = |row: &[T]| row.iter().fold(0.0_f64, |most, entry| most.max(entry.value().abs()));
-    let inverse_of = |pivot: T, unknown: usize, scale: f64| {
-        let is_negligible = unknown >= determined && pivot.value().abs() < DEPENDENT_PIVOT * scale;
-        if is_negligible { T::constant(0.0) } else { pivot.reciprocal() }
-    };
     let mut scales: SmallVec<[f64; 4]> = matrix.chunks(size.max(1)).map(largest).collect();
+    // The unknown that each row gives.
+    let mut unknowns: SmallVec<[usize; 16]> = SmallVec::new();
     for column in 0..size {
-        for row in column + 1..size {
+        let first = unknowns.len();
+        for row in first + 1..size {
             let entry = |row: usize| matrix[row * size + column].value().abs();
-            if entry(column) * scales[row] < SMALL_PIVOT * entry(row) * scales[column] {
-                (0..size).for_each(|j| matrix.swap(row * size + j, column * size + j));
-                rights.iter_mut().for_each(|right| right.swap(row, column));
-                scales.swap(row, column);
+            if entry(first) * scales[row] < SMALL_PIVOT * entry(row) * scales[first] {
+                (0..size).for_each(|j| matrix.swap(row * size + j, first * size + j));
+                rights.iter_mut().for_each(|right| right.swap(row, first));
+                scales.swap(row, first);
             }
         }
-        let (above, below) = matrix.split_at_mut((column + 1) * size);
-        let (pivot, others) = (above[column * size + column], &above[column * size + column + 1..]);
-        let inverse = inverse_of(pivot, column, scales[column]);
-        for (row, entries) in (column + 1..).zip(below.chunks_exact_mut(size)) {
+        let (above, below) = matrix.split_at_mut((first + 1) * size);
+        let (pivot, others) = (above[first * size + column], &above[first * size + column + 1..]);
+        if column >= determined && pivot.value().abs() < DEPENDENT_PIVOT * scales[first] {
+            continue;
+        }
+        unknowns.push(column);
+        let inverse = pivot.reciprocal();
+        for (row, entries) in (first + 1..).zip(below.chunks_exact_mut(size)) {
             // Most entries of the equations of several bodies are zero.
             if entries[column].is_zero() {
                 continue;
@@ -75,19 +78,25 @@ pub(super) fn solve_for_each<T: Elementary>(
             for (entry, other) in entries[column + 1..].iter_mut().zip(others) {
                 *entry = *entry - factor * *other;
             }
-            rights.iter_mut().for_each(|right| right[row] = right[row] - factor * right[column]);
+            rights.iter_mut().for_each(|right| right[row] = right[row] - factor * right[first]);
         }
     }
-    for row in (0..size).rev() {
-        let inverse = inverse_of(matrix[row * size + row], row, scales[row]);
+    for right in &mut rights {
+        right[unknowns.len()..].fill(T::constant(0.0));
+    }
+    for (row, &unknown) in unknowns.iter().enumerate().rev() {
+        let inverse = matrix[row * size + unknown].reciprocal();
         for right in &mut rights {
-            for column in row + 1..size {
+            let mut value = right[row];
+            for column in unknown + 1..size {
                 let entry = matrix[row * size + column];
                 if !entry.is_zero() {
-                    right[row] = right[row] - entry * right[column];
+                    value = value - entry * right[column];
                 }
             }
-            right[row] = right[row] * inverse;
+            // Rows after this one have been used.
+            right[row] = T::constant(0.0);
+            right[unknown] = value * inverse;
         }
     }
 }

@@ -63,8 +63,9 @@ impl TouchingSystem<'_> {
         let (is_consistent, others) = self.candidates(&mut equations, &given, fixed)?;
         // Most combinations do not fit. Those that fit to rounding are computed once more, alone.
         let mut likely: Vec<Phases> = Vec::new();
+        let are_determined = equations.are_determined();
         for some in others.chunks(TOGETHER) {
-            if some.len() < FEW {
+            if some.len() < FEW || !are_determined {
                 likely.extend_from_slice(some);
                 continue;
             }

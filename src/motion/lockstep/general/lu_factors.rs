@@ -8,12 +8,16 @@ use crate::motion::linear_system::{DEPENDENT_PIVOT, SMALL_PIVOT};
 pub(super) struct LuFactors {
     /// The unknowns in the order of their elimination; equations have the same order.
     order: Vec<usize>,
-    /// The factors, row by row, in this order.
+    /// The factors, row by row, in this order. Behind the rows follow those that remain where an unknown is not determined.
     entries: Vec<Option<Cell>>,
     /// One over each pivot; `None` for the pivot 1.
     inverses: Vec<Option<Cell>>,
     /// Two rows that are exchanged where the first number is less than the second, in the order of the exchanges.
     exchanges: Vec<([usize; 2], [Cell; 2])>,
+    /// The number of first unknowns that the equations determine.
+    determined: usize,
+    /// For each of the other unknowns but the last, two numbers of which the first is less where it is not determined.
+    undetermined: Vec<[Cell; 2]>,
     /// The inverse of the last two rows and columns, row by row, if exactly two unknowns are not eliminated first.
     last: Option<[Option<Cell>; 4]>,
 }
@@ -67,8 +71,15 @@ impl LuFactors {
         order.extend(rest);
         let in_order = order.iter().flat_map(|row| order.iter().map(move |column| (row, column)));
         let entries = in_order.map(|(row, column)| entries[row * size + column]).collect();
-        let mut all =
-            LuFactors { order, entries, inverses: Vec::new(), exchanges: Vec::new(), last: None };
+        let mut all = LuFactors {
+            order,
+            entries,
+            inverses: Vec::new(),
+            exchanges: Vec::new(),
+            determined,
+            undetermined: Vec::new(),
+            last: None,
+        };
         for column in 0..certain {
             all.inverses.push(None);
             all.eliminate(builder, column);
@@ -76,7 +87,7 @@ impl LuFactors {
         if certain + 2 == size && determined == size {
             all.invert_last(builder);
         } else {
-            all.eliminate_rest(builder, certain, determined);
+            all.eliminate_rest(builder, certain);
         }
         all
     }
@@ -84,7 +95,7 @@ impl LuFactors {
     /// Subtracts a row from those below.
     fn eliminate(&mut self, builder: &mut Builder, column: usize) {
         let size = self.order.len();
-        for row in column + 1..size {
+        for row in self.later_rows(column) {
             let Some(entry) = self.entries[row * size + column] else { continue };
             let inverse = self.inverses[column];
             let factor = inverse.map_or(entry, |inverse| builder.product(entry, inverse));
@@ -118,7 +129,7 @@ impl LuFactors {
     }
 
     /// Eliminates the unknowns from `first` on, with exchanges.
-    fn eliminate_rest(&mut self, builder: &mut Builder, first: usize, determined: usize) {
+    fn eliminate_rest(&mut self, builder: &mut Builder, first: usize) {
         let size = self.order.len();
         let [zero, one, small] = [0.0, 1.0, SMALL_PIVOT].map(|number| builder.number(number));
         let mut scales = vec![zero; size];
@@ -129,7 +140,7 @@ impl LuFactors {
             }
         }
         for column in first..size {
-            for row in column + 1..size {
+            for row in self.later_rows(column) {
                 let Some(other) = self.entries[row * size + column] else { continue };
                 let pivot = self.entries[column * size + column].unwrap_or(zero);
                 let [pivot, other] = [pivot, other].map(|cell| builder.size(cell));
@@ -148,14 +159,32 @@ impl LuFactors {
             }
             let pivot = self.entries[column * size + column].unwrap_or(zero);
             let mut inverse = builder.quotient(one, pivot);
-            if self.order[column] >= determined {
+            if column >= self.determined {
                 let negligible = builder.number(DEPENDENT_PIVOT);
                 let less = [builder.size(pivot), builder.product(negligible, scales[column])];
                 inverse = builder.choice(less, zero, inverse);
+                self.undetermined.push(less);
             }
             self.inverses.push(Some(inverse));
             self.eliminate(builder, column);
+            if let Some(less) = self.undetermined.last().filter(|_| column >= self.determined) {
+                // Where the unknown is not determined, its row remains for later unknowns.
+                let remaining = (0..size).map(|j| {
+                    let entry = self.entries[column * size + j].filter(|_| j > column)?;
+                    Some(builder.choice(*less, entry, zero))
+                });
+                let remaining: Vec<_> = remaining.collect();
+                self.entries.extend(remaining);
+                scales.push(scales[column]);
+            }
         }
+    }
+
+    /// Returns the rows that remain after that of an unknown.
+    fn later_rows(&self, column: usize) -> impl Iterator<Item = usize> + use<> {
+        let size = self.order.len();
+        let remaining = column.saturating_sub(self.determined);
+        (column + 1..size).chain(size..size + remaining)
     }
 
     /// Writes the unknowns for a right-hand side to `out`. Returns which may differ from zero; the others are not written.
@@ -174,11 +203,16 @@ impl LuFactors {
                 exchange(builder, &mut values, *rows, *less);
                 exchanges.next();
             }
-            for row in column + 1..size {
+            for row in self.later_rows(column) {
                 let factor = self.entries[row * size + column];
                 if let Some((factor, value)) = factor.zip(values[column]) {
                     values[row] = Some(builder.difference(values[row], &[[factor, value]]));
                 }
+            }
+            if column >= self.determined {
+                let less = self.undetermined[column - self.determined];
+                let zero = builder.number(0.0);
+                values.push(values[column].map(|value| builder.choice(less, value, zero)));
             }
         }
         let mut not_zero = vec![false; size];
