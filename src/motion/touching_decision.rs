@@ -46,15 +46,17 @@ impl TouchingSystem<'_> {
             let model = RecordedForces::new(self.evaluator, state);
             return decide_at_rest(self.settings.method, &model, phases, fixed);
         }
-        let slack = match self.settings.method {
-            Method::Switch => self.slack(),
-            Method::Event => self.slack() + self.residual_of_gaps(state, phases),
+        let slack = self.slack();
+        let of_motion = match self.settings.method {
+            Method::Switch => slack,
+            Method::Event => slack + self.residual_of_gaps(state, phases),
         };
         let given = phases.clone();
         let mut equations = self.evaluator.incremental_forces(state);
         type Found = (Forces, SmallVec<[GapForces; 8]>);
         let fits = |candidate: &Phases, (forces, gaps): &Found, least: f64| {
-            let fit = || self.fits(candidate, &given, (forces, gaps), fixed, [slack, least]);
+            let fit =
+                || self.fits(candidate, &given, (forces, gaps), fixed, [slack, of_motion, least]);
             !forces.iter().all(is_finite) || fit()
         };
         // A contact opens where its normal force is certainly negative, by half of the width within which this is located.
@@ -257,15 +259,15 @@ impl TouchingSystem<'_> {
         })
     }
 
-    /// Returns whether phases meet all conditions, with this slack and this least force of contacts that may open. Gaps that are
-    /// closed in `given` touch.
+    /// Returns whether phases meet all conditions, with this slack of forces and of accelerations, and this least force of contacts that
+    /// may open. Gaps that are closed in `given` touch.
     fn fits(
         &self,
         phases: &Phases,
         given: &Phases,
         (forces, gap_forces): (&Forces, &[GapForces]),
         fixed: &[usize],
-        [slack, least]: [f64; 2],
+        [slack, of_motion, least]: [f64; 3],
     ) -> bool {
         let (of_contacts, of_gaps) = phases.split_at(self.contacts());
         let was_closed = &given[self.contacts()..];
@@ -284,7 +286,7 @@ impl TouchingSystem<'_> {
         for (opening, found) in self.openings.iter().zip(&gap_forces[self.gaps.len()..]) {
             let holds = match (phases[opening.contact], given[opening.contact]) {
                 (Phase::Apart, Phase::Apart) => true,
-                (Phase::Apart, _) => found.opening_acceleration >= -slack,
+                (Phase::Apart, _) => found.opening_acceleration >= -of_motion,
                 _ => found.force >= least,
             };
             if !holds {
@@ -302,10 +304,10 @@ impl TouchingSystem<'_> {
                     let limit = self.evaluator.system().friction(contact).limit;
                     limit * normal - friction.abs() >= -slack
                 }
-                Phase::Transition(direction) => direction * acceleration >= -slack,
+                Phase::Transition(direction) => direction * acceleration >= -of_motion,
                 // It was at rest, and sets off.
                 Phase::Slip(direction) if given[contact] == Phase::Stick => {
-                    direction * acceleration >= -slack
+                    direction * acceleration >= -of_motion
                 }
                 _ => true,
             }
