@@ -39,7 +39,8 @@ struct Support {
 }
 
 /// Returns the part of its friction that the contact with the least of it has in reserve, for the best forces; `None` if the bodies
-/// move, if contacts do not hold them in all directions, or if no forces hold them with a reserve.
+/// move, if contacts do not hold them in all directions, or if no forces hold them with a reserve. Where the equations determine all
+/// forces, closed forms at rest say so, if there are some.
 pub(super) fn held_margin(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<f64> {
     let (evaluator, graph) = (&view.evaluator, view.evaluator.graph());
     let is_slow = |rate: &f64| rate.abs() <= RESTS;
@@ -47,7 +48,9 @@ pub(super) fn held_margin(view: &SystemView, phases: &[Phase], state: &[f64]) ->
         let can_hold = view.system().friction(contact).limit > 0.0;
         can_hold && phases[contact] != Phase::Apart && view.speed(state, contact).abs() > STILL
     };
+    let is_determined = || graph.solves.iter().all(|solve| solve.determined == solve.right.len());
     if !graph.gaps.is_empty()
+        || view.rest_forms().is_some() && is_determined()
         || !evaluator.rates(phases, state).iter().all(is_slow)
         || (0..view.contacts.len()).any(moves)
     {

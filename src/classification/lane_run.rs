@@ -251,10 +251,8 @@ impl LaneRun {
     fn rests(&self, group: &dyn LaneGroup, lane: usize) -> bool {
         let (phases, state) = (group.phases(lane), group.state(lane));
         all_stick(phases)
-            && match self.view.rest_forms() {
-                Some(forms) => forms.surely_rests(&state),
-                None => held_margin(&self.view, phases, &state).is_some(),
-            }
+            && (self.view.rest_forms().is_some_and(|forms| forms.surely_rests(&state))
+                || held_margin(&self.view, phases, &state).is_some())
     }
 
     /// Schedules the next inspection of the run, and saves the run if its end time may affect the

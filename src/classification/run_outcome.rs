@@ -179,10 +179,8 @@ impl LaneRun {
         let state = step.group.state(step.lane);
         let rest = self.view.rest_forms().map(|forms| forms.at_rest(&state));
         let amplitude = rest.map_or_else(|| self.view.square(&state).sqrt(), |rest| rest.amplitude);
-        let margin = match rest {
-            Some(rest) => Some(rest.friction_margin).filter(|margin| margin.is_finite()),
-            None => held_margin(&self.view, step.phases(), &state),
-        };
+        let margin = held_margin(&self.view, step.phases(), &state)
+            .or_else(|| rest.map(|rest| rest.friction_margin).filter(|margin| margin.is_finite()));
         let revolves = self.view.revolves();
         let force = || self.view.rest_forms()?.contact_force(&state);
         Outcome {

@@ -73,8 +73,7 @@ impl SettledWatch {
     ) -> Option<RestKind> {
         if !may_settle(view, phases, state) {
             self.slow_since = None;
-            let is_held = || held_margin(view, phases, state).is_some();
-            return (view.rest_forms().is_none() && is_held()).then_some(RestKind::Held);
+            return held_margin(view, phases, state).map(|_| RestKind::Held);
         }
         let rates = view.evaluator.rates(phases, state);
         if !rates.iter().all(|rate| rate.abs() <= SLOW) {

@@ -114,6 +114,46 @@ fn blocks_that_rub_on_each_other_rest() {
     }
 }
 
+/// Two blocks that touch, with friction between them, are pressed together, and a third one slides beside them until it stops: friction
+/// that slides is determined, whatever holds other bodies more than once.
+#[test]
+fn blocks_in_a_corner_leave_others_their_friction() {
+    for [corner, block] in [[1.0, 2.0], [2.0, 5.0], [2.0, 5.5], [0.3, 4.0]] {
+        let system = format!(
+            "parameters: {{m: {corner:?}, n: {block:?}, g: 9.81}}\n\
+             coordinates: {{u: {{}}, w: {{}}, x: {{start: 0.3, start_rate: 1}}, y: {{}}}}\n\
+             mass: {{u: {{u: m}}, w: {{w: m}}, x: {{x: n}}, y: {{y: n}}}}\nforce: {{w: -m * g, y: -n * g}}\ncontacts:\n  \
+             wall: {{gap: u, sliding: w', friction: {{coulomb: {{coefficient: 0.4}}}}}}\n  \
+             floor: {{gap: w, sliding: u', friction: {{coulomb: {{coefficient: 0.3}}}}}}\n  \
+             top: {{gap: y, sliding: x', friction: {{coulomb: {{coefficient: 0.2}}}}}}\n  \
+             side: {{gap: x - u - 0.2, sliding: \"y' - w'\", friction: {{coulomb: {{coefficient: 0.2}}}}}}"
+        );
+        let [outcome] = &outcomes(&system, 1, 6.0)[..] else { panic!("one run") };
+        let x = 0.3 + 1.0 / (2.0 * 0.2 * 9.81);
+        assert!((outcome.outputs[2].end - x).abs() < 1e-8, "{x} {outcome:?}");
+    }
+}
+
+/// Two blocks that a force presses together share its load with their friction on the floor.
+#[test]
+fn blocks_that_touch_share_a_load() {
+    for push in [1.0, 3.0] {
+        let system = format!(
+            "parameters: {{g: 9.81}}\ncoordinates: {{u: {{}}, w: {{}}, x: {{start: 0.1}}, y: {{}}}}\n\
+             mass: {{u: {{u: 1}}, w: {{w: 1}}, x: {{x: 1}}, y: {{y: 1}}}}\nforce: {{w: -g, y: -g, x: -{push:?}}}\ncontacts:\n  \
+             left: {{gap: w, sliding: u', friction: {{coulomb: {{coefficient: 0.2}}}}}}\n  \
+             right: {{gap: y, sliding: x', friction: {{coulomb: {{coefficient: 0.2}}}}}}\n  \
+             between: {{gap: x - u - 0.1, sliding: \"y' - w'\", friction: {{coulomb: {{coefficient: 0.3}}}}}}"
+        );
+        let [outcome] = &outcomes(&system, 1, 5.0)[..] else { panic!("one run") };
+        assert_eq!(outcome.evidence.name(), "rest_certified", "{outcome:?}");
+        // Friction between the blocks moves load from one floor contact to the other, and their sum stays.
+        let margin = 1.0 - 0.5 * push / (0.2 * 9.81);
+        let found = outcome.evidence.friction_margin().expect("contacts stick");
+        assert!((found - margin).abs() < 1e-9, "{found} {margin}");
+    }
+}
+
 /// A force that grows pushes a block against a second one, which it touches: both set off when the force exceeds the friction of
 /// both, and the force between them was not determined until then.
 #[test]
