@@ -49,7 +49,9 @@ pub(super) fn held_margin(view: &SystemView, phases: &[Phase], state: &[f64]) ->
         can_hold && phases[contact] != Phase::Apart && view.speed(state, contact).abs() > STILL
     };
     let is_determined = || graph.solves.iter().all(|solve| solve.determined == solve.right.len());
-    if !graph.gaps.is_empty()
+    let mut velocities = graph.layout.velocities.iter().flatten();
+    if !velocities.all(|velocity| is_slow(&state[*velocity]))
+        || !graph.gaps.is_empty()
         || view.rest_forms().is_some() && is_determined()
         || !evaluator.rates(phases, state).iter().all(is_slow)
         || (0..view.contacts.len()).any(moves)
