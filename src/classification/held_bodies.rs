@@ -44,17 +44,26 @@ struct Support {
 pub(super) fn held_margin(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<f64> {
     let (evaluator, graph) = (&view.evaluator, view.evaluator.graph());
     let is_slow = |rate: &f64| rate.abs() <= RESTS;
-    let moves = |contact: usize| {
-        let can_hold = view.system().friction(contact).limit > 0.0;
-        can_hold && phases[contact] != Phase::Apart && view.speed(state, contact).abs() > STILL
+    let gaps = || evaluator.openings(|component| state[component]);
+    let lie_apart = || {
+        let at = graph.openings.iter().zip(gaps()).filter(|(_, at)| lies(at));
+        at.map(|(opening, _)| opening.contact).collect::<Vec<_>>()
     };
-    let is_determined = || graph.solves.iter().all(|solve| solve.determined == solve.right.len());
+    // A contact that slides, or would if it touched.
+    let slides = || {
+        let lie_apart = lie_apart();
+        (0..view.contacts.len()).any(|contact| {
+            let touches = phases[contact] != Phase::Apart || lie_apart.contains(&contact);
+            let can_hold = view.system().friction(contact).limit > 0.0;
+            can_hold && touches && view.speed(state, contact).abs() > STILL
+        })
+    };
     let mut velocities = graph.layout.velocities.iter().flatten();
     if !velocities.all(|velocity| is_slow(&state[*velocity]))
         || !graph.gaps.is_empty()
-        || view.rest_forms().is_some() && is_determined()
+        || view.rest_forms().is_some() && graph.determines_all_forces()
         || !evaluator.rates(phases, state).iter().all(is_slow)
-        || (0..view.contacts.len()).any(moves)
+        || slides()
     {
         return None;
     }
@@ -66,8 +75,12 @@ pub(super) fn held_margin(view: &SystemView, phases: &[Phase], state: &[f64]) ->
         return None;
     }
     let (balance, rank) = effects.balance(&velocities)?;
+    let presses = effects.reserve(&balance, 1.0) > RESERVE * balance.some.amax().min(1.0);
+    if rank < velocities.len() || !presses {
+        return None;
+    }
     let strength = effects.strength(&balance, 1.0)?;
-    (rank == velocities.len() && strength < 1.0 - RESERVE).then_some(1.0 - strength)
+    (strength < 1.0 - RESERVE).then_some(1.0 - strength)
 }
 
 /// Returns the least part of its friction that a contact that sticks has in reserve, for the best forces of the contacts; `None` if no
@@ -77,8 +90,8 @@ pub(super) fn friction_margin(view: &SystemView, phases: &[Phase], state: &[f64]
     effects.supports.iter().find(|support| support.friction.is_some())?;
     let velocities = view.evaluator.graph().layout.velocities.iter().flatten();
     let acts = |velocity: &usize| effects.forces.iter().any(|force| force[*velocity] != 0.0);
-    let (balance, _) = effects.balance(&velocities.copied().filter(acts).collect::<Vec<_>>())?;
-    let strength = effects.strength(&balance, f64::INFINITY);
+    let balance = effects.balance(&velocities.copied().filter(acts).collect::<Vec<_>>());
+    let strength = balance.and_then(|(balance, _)| effects.strength(&balance, f64::INFINITY));
     Some(strength.map_or(f64::NEG_INFINITY, |strength| 1.0 - strength))
 }
 
@@ -117,7 +130,10 @@ impl ContactEffects {
                         .map(|way| DVector::from_row_slice(&responses[2 * place + way].components));
                     if slides(contact) {
                         // Its friction is in proportion to its normal force.
-                        let factor = found[contact].friction / found[contact].normal;
+                        let factor = match found[contact].friction / found[contact].normal {
+                            factor if factor.is_finite() => factor,
+                            _ => 0.0,
+                        };
                         Support { normal: Ok(all.add(across + along * factor)), friction: None }
                     } else {
                         let normal = Ok(all.add(across));
@@ -152,6 +168,11 @@ impl ContactEffects {
     /// the number of independent forces; `None` if no forces balance it.
     fn balance(&self, velocities: &[usize]) -> Option<(BalancingForces, usize)> {
         let (rows, count) = (velocities.len(), self.forces.len());
+        let are_finite =
+            self.forces.iter().chain([&self.pushed]).flatten().all(|of| of.is_finite());
+        if count == 0 || !are_finite {
+            return None;
+        }
         let effect = |row: usize, column: usize| {
             velocities.get(row).map_or(0.0, |velocity| self.forces[column][*velocity])
         };
@@ -166,9 +187,6 @@ impl ContactEffects {
         let right = DVector::from_fn(rows.max(count), |row, _| {
             scaled(row, velocities.get(row).map_or(0.0, |velocity| -self.pushed[*velocity]))
         });
-        if count == 0 {
-            return None;
-        }
         let decomposed = SVD::try_new(matrix.clone(), true, true, f64::EPSILON, 10_000)?;
         let zero = DEPENDENT * decomposed.singular_values.max();
         let some = decomposed.solve(&right, zero).ok()?;

@@ -61,7 +61,10 @@ impl LaneRun {
         let stopped = || Some(latest(group.last_switches(lane)));
         let outcome = match ending {
             Ending::Rest => {
-                let certified = self.view.rest_forms().is_none_or(|forms| forms.are_closed());
+                let is_held =
+                    || held_margin(&self.view, step.phases(), &group.state(lane)).is_some();
+                let certified =
+                    self.view.rest_forms().is_none_or(|forms| forms.are_closed()) || is_held();
                 let evidence =
                     if certified { Evidence::RestCertified } else { Evidence::RestContracting };
                 self.at_rest(&step, base, |margin| evidence(rest(stopped(), margin)))

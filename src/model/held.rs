@@ -3,7 +3,7 @@
 //! The forces between bodies that rest and touch are not determined. The bodies rest if there are any forces with which
 //! all conditions hold: in each gap `λ ≥ 0` and `|q| ≤ μ_b λ`, and at each contact `|T + t| ≤ μ (f + n)` with the
 //! tangential and normal forces `t` and `n` from the gaps. The forces with the largest reserve of friction solve a linear
-//! programme. It has at most 17 variables, and its result must be accurate to rounding; hence it is solved here, by the
+//! programme. It has few variables, and its result must be accurate to rounding; hence it is solved here, by the
 //! simplex method with Bland's rule (V. Chvátal, *Linear Programming*, Freeman 1983, chapter 3).
 
 use smallvec::SmallVec;
@@ -69,7 +69,7 @@ pub fn least_force(contacts: &[HeldContact], gaps: &[Gap]) -> Option<f64> {
 
 /// Accuracy of the strength of friction that holds contacts.
 const STRENGTH_ACCURACY: f64 = 1e-12;
-/// The largest such factor that is sought.
+/// The largest factor on the coefficients of friction that is sought.
 pub const MOST_STRENGTH: f64 = 1e6;
 
 /// Returns the smallest common factor on the coefficients of friction with which friction holds contacts, for some forces
@@ -114,7 +114,7 @@ pub fn least_strength(most: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
     Some(high)
 }
 
-/// Returns the largest number of at most `most` that the bounds `b` of all rows `(a, b)` exceed `a · z` by, for some numbers `z`.
+/// Returns the largest number `r` of at most `most` with `a · z + r ≤ b` for all rows `(a, b)` and some numbers `z`.
 pub fn largest_reserve(rows: &[(Vec<f64>, f64)], most: f64) -> f64 {
     let least = rows.iter().map(|(_, bound)| *bound).fold(most, f64::min);
     let count = rows.first().map_or(0, |(coefficients, _)| coefficients.len());

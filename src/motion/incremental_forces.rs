@@ -47,12 +47,8 @@ impl IncrementalForces<'_> {
         self.read(|node| self.values[node as usize])
     }
 
-    /// Returns whether the equations determine all forces, so that several assumptions can be computed together.
-    pub(super) fn are_determined(&self) -> bool {
-        self.evaluator.graph().solves.iter().all(|solve| solve.determined == solve.right.len())
-    }
-
-    /// Returns forces and accelerations of all contacts, gaps and openings for each of some assumptions, to rounding.
+    /// Returns forces and accelerations of all contacts, gaps and openings for each of some assumptions, to rounding. The equations
+    /// determine all forces.
     pub(super) fn forces_of_several(
         &mut self,
         assumed: &[Phases],

@@ -31,6 +31,9 @@ impl Solved for Bounded {}
 /// A pivot below this part of the largest entry of its row shows that equations are dependent.
 pub(super) const DEPENDENT_PIVOT: f64 = 1e-9;
 
+/// The least size of a row of dependent equations.
+pub(super) const LEAST_SCALE: f64 = 1e-200;
+
 /// Returns the solution of a linear system by elimination in the order of its unknowns, as in lanes. Rows with small pivots
 /// are exchanged: threshold pivoting with rows scaled by their largest entries (I. S. Duff, A. M. Erisman, J. K. Reid,
 /// *Direct Methods for Sparse Matrices*, 2nd ed., Oxford 2017, chapter 5, doi:10.1093/acprof:oso/9780198508380.001.0001).
@@ -40,8 +43,8 @@ pub(super) fn solved<T: Elementary>(matrix: Entries<T>, mut right: Unknowns<T>) 
     right
 }
 
-/// Replaces each right side by the solution that [`solved`] returns for it. The equations determine the first unknowns. Of the others,
-/// those are 0 that no remaining equation contains with more than rounding; their equations remain for later unknowns.
+/// Replaces each right side by the solution that [`solved`] returns for it. The equations determine the first unknowns. A later unknown
+/// whose pivot is negligible is 0, and its row serves the next unknown. Rows that are left at the end are not examined.
 pub(super) fn solve_for_each<T: Elementary>(
     mut matrix: Entries<T>,
     mut rights: SmallVec<[&mut Unknowns<T>; 1]>,
@@ -49,7 +52,10 @@ pub(super) fn solve_for_each<T: Elementary>(
 ) {
     let size = rights.first().map_or(0, |right| right.len());
     let largest = |row: &[T]| row.iter().fold(0.0_f64, |most, entry| most.max(entry.value().abs()));
-    let mut scales: SmallVec<[f64; 4]> = matrix.chunks(size.max(1)).map(largest).collect();
+    // A row of zeros must not be compared with others by 0.
+    let least = if determined < size { LEAST_SCALE } else { 0.0 };
+    let mut scales: SmallVec<[f64; 4]> =
+        matrix.chunks(size.max(1)).map(|row| largest(row).max(least)).collect();
     // The unknown that each row gives.
     let mut unknowns: SmallVec<[usize; 16]> = SmallVec::new();
     for column in 0..size {

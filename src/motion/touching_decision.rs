@@ -26,10 +26,13 @@ use super::separate_contacts::SeparateContacts;
 use super::stick_slip::decide_at_rest;
 use super::touching_system::TouchingSystem;
 use super::{Direction, Failure, IncrementalForces, Phase, Phases, event_driven, switch_model};
-use crate::model::{Holding, Method};
+use crate::model::{Holding, Method, Opening};
 
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
+
+/// The largest acceleration of bodies that do not move, over 1 and the largest acceleration.
+const AGREE: f64 = 1e-6;
 
 /// So few combinations are computed one by one.
 const FEW: usize = 3;
@@ -47,16 +50,21 @@ impl TouchingSystem<'_> {
             return decide_at_rest(self.settings.method, &model, phases, fixed);
         }
         let slack = self.slack();
-        let of_motion = match self.settings.method {
+        let residual = self.residual_of_gaps(state, phases);
+        let for_motion = match self.settings.method {
             Method::Switch => slack,
-            Method::Event => slack + self.residual_of_gaps(state, phases),
+            Method::Event => slack + residual,
         };
+        let are_determined = self.evaluator.graph().determines_all_forces();
         let given = phases.clone();
         let mut equations = self.evaluator.incremental_forces(state);
         type Found = (Forces, SmallVec<[GapForces; 8]>);
         let fits = |candidate: &Phases, (forces, gaps): &Found, least: f64| {
-            let fit =
-                || self.fits(candidate, &given, (forces, gaps), fixed, [slack, of_motion, least]);
+            let of_candidate = (forces, &gaps[..]);
+            let fit = || {
+                (are_determined || self.agree(candidate, of_candidate, residual))
+                    && self.fits(candidate, &given, of_candidate, fixed, [slack, for_motion, least])
+            };
             !forces.iter().all(is_finite) || fit()
         };
         // A contact opens where its normal force is certainly negative, by half of the width within which this is located.
@@ -65,7 +73,6 @@ impl TouchingSystem<'_> {
         let (is_consistent, others) = self.candidates(&mut equations, &given, fixed)?;
         // Most combinations do not fit. Those that fit to rounding are computed once more, alone.
         let mut likely: Vec<Phases> = Vec::new();
-        let are_determined = equations.are_determined();
         for some in others.chunks(TOGETHER) {
             if some.len() < FEW || !are_determined {
                 likely.extend_from_slice(some);
@@ -163,7 +170,7 @@ impl TouchingSystem<'_> {
     }
 
     /// Returns the largest acceleration with which what is left of the gaps of contacts that touch decays. Bodies that are held cannot
-    /// follow it.
+    /// follow it, and conditions of motion allow for it.
     fn residual_of_gaps(&self, state: &[f64], phases: &[Phase]) -> f64 {
         let at = self.evaluator.openings(|component| state[component]);
         let touching = self.openings.iter().zip(at);
@@ -259,6 +266,26 @@ impl TouchingSystem<'_> {
         })
     }
 
+    /// Returns whether contacts that stick do not accelerate, and those that touch do not move apart or into each other. Where equations
+    /// are dependent, they may contradict each other, as of a body between two walls that close in on it.
+    fn agree(
+        &self,
+        phases: &Phases,
+        (forces, gaps): (&Forces, &[GapForces]),
+        residual: f64,
+    ) -> bool {
+        let scale = forces.iter().fold(1.0, |most: f64, of| most.max(of.acceleration.abs()));
+        let most = AGREE * scale + residual;
+        let sticks = |(of, phase): (&ContactForces, &Phase)| {
+            *phase != Phase::Stick || of.acceleration.abs() <= most + of.speed.abs()
+        };
+        let touches = |(opening, of): (&Opening, &GapForces)| {
+            phases[opening.contact] == Phase::Apart || of.opening_acceleration.abs() <= most
+        };
+        forces.iter().zip(phases).all(sticks)
+            && self.openings.iter().zip(&gaps[self.gaps.len()..]).all(touches)
+    }
+
     /// Returns whether phases meet all conditions, with this slack of forces and of accelerations, and this least force of contacts that
     /// may open. Gaps that are closed in `given` touch.
     fn fits(
@@ -267,7 +294,7 @@ impl TouchingSystem<'_> {
         given: &Phases,
         (forces, gap_forces): (&Forces, &[GapForces]),
         fixed: &[usize],
-        [slack, of_motion, least]: [f64; 3],
+        [slack, for_motion, least]: [f64; 3],
     ) -> bool {
         let (of_contacts, of_gaps) = phases.split_at(self.contacts());
         let was_closed = &given[self.contacts()..];
@@ -286,7 +313,7 @@ impl TouchingSystem<'_> {
         for (opening, found) in self.openings.iter().zip(&gap_forces[self.gaps.len()..]) {
             let holds = match (phases[opening.contact], given[opening.contact]) {
                 (Phase::Apart, Phase::Apart) => true,
-                (Phase::Apart, _) => found.opening_acceleration >= -of_motion,
+                (Phase::Apart, _) => found.opening_acceleration >= -for_motion,
                 _ => found.force >= least,
             };
             if !holds {
@@ -304,10 +331,10 @@ impl TouchingSystem<'_> {
                     let limit = self.evaluator.system().friction(contact).limit;
                     limit * normal - friction.abs() >= -slack
                 }
-                Phase::Transition(direction) => direction * acceleration >= -of_motion,
+                Phase::Transition(direction) => direction * acceleration >= -for_motion,
                 // It was at rest, and sets off.
                 Phase::Slip(direction) if given[contact] == Phase::Stick => {
-                    direction * acceleration >= -of_motion
+                    direction * acceleration >= -for_motion
                 }
                 _ => true,
             }

@@ -2,7 +2,7 @@
 //! it needs, and rest where some forces within friction hold them.
 
 use rayon::prelude::*;
-use stickslip::classification::{Outcome, simulate};
+use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Method, OutputValue};
 
 use super::outputs::{cases, outcomes};
@@ -31,8 +31,8 @@ fn boxes(feet: &[&str]) -> [Vec<Outcome>; 2] {
     })
 }
 
-/// A box on two or three feet, with or without a third one that does not determine their normal forces either, slides, stops and
-/// rests as a block on one contact with the weight as its normal force. Its margin is that of the sum of all feet.
+/// A box on two or three feet slides, stops and rests as a block on one contact with the weight as its normal force, although three feet
+/// do not determine their normal forces either. Its margin is that of the sum of all feet.
 #[test]
 fn a_box_on_feet_moves_as_a_block() {
     let block = outcomes(
@@ -111,6 +111,50 @@ fn blocks_that_rub_on_each_other_rest() {
         let needed = 0.5 * x.abs().max(z.abs()).max((x + z).abs());
         let margin = outcome.evidence.friction_margin().expect("contacts stick");
         assert!((margin - (1.0 - needed / 2.0)).abs() < 1e-9, "{margin} {outcome:?}");
+    }
+}
+
+/// Three blocks that rub on each other round and round, on a frictionless floor with springs: the equations of three contacts that
+/// stick are dependent, although they contain three velocities. The blocks stop against each other, and move on together.
+#[test]
+fn blocks_that_rub_round_and_round_move_together() {
+    let all = outcomes(
+        "parameters: {m: 1 kg, k: 10 N/m, c: 0.5 N s/m, n: 10 N, mu: 0.3}\n\
+         coordinates:\n  x: {unit: m, start: [-0.1, 0.1], start_rate: [-1, 1]}\n  z: {unit: m, start: [-0.1, 0.1], start_rate: [-1, 1]}\n  \
+         w: {unit: m, start: [-0.1, 0.1], start_rate: [-1, 1]}\n\
+         mass: {x: {x: m}, z: {z: m}, w: {w: m}}\nforce: {x: -k * x - c * x', z: 0, w: 0}\ncontacts:\n  \
+         xz: {normal: n, sliding: \"x' - z'\", friction: {coulomb: {coefficient: mu}}}\n  \
+         zw: {normal: n, sliding: \"z' - w'\", friction: {coulomb: {coefficient: mu}}}\n  \
+         wx: {normal: n, sliding: \"w' - x'\", friction: {coulomb: {coefficient: mu}}}",
+        16,
+        100.0,
+    );
+    for outcome in &all {
+        assert_ne!(outcome.evidence.name(), "not_finite", "{outcome:?}");
+        assert_ne!(outcome.evidence.name(), "no_solution", "{outcome:?}");
+        let rate = |output: usize| outcome.outputs[output].end;
+        assert!(
+            (rate(3) - rate(4)).abs() < 1e-9 && (rate(4) - rate(5)).abs() < 1e-9,
+            "{outcome:?}"
+        );
+        // One block of 3 kg on the spring: its motion decays within the time.
+        assert!(outcome.outputs[0].end.abs() < 0.01, "{outcome:?}");
+    }
+}
+
+/// A body between two walls that close in on it has no motion: the equations of both contacts contradict each other.
+#[test]
+fn walls_that_close_in_on_a_body_have_no_solution() {
+    for method in ["switch", "event"] {
+        let study = parse(format!(
+            "schema: 1\nname: a\nseed: 7\nmodel:\n  system:\n    system: a\n    parameters: {{m: 1 kg, d: 1 m}}\n    \
+             motions: {{wall: {{unit: m, table: {{columns: ['time [s]', 'wall [m]'], rows: [[0, 0], [1, 0.5], [2, 0.5]]}}}}}}\n    \
+             coordinates: {{x: {{unit: m, start: 0.5, start_rate: 0}}}}\n    mass: {{x: {{x: m}}}}\n    contacts:\n      \
+             left: {{gap: x - d / 4 - wall}}\n      right: {{gap: 3 / 4 * d - wall - x}}\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}}}\nsimulation: {{end_time_s: 3, method: {method}}}\n"
+        ));
+        let outcome = simulate(&cases_of(&study)[0]);
+        assert_eq!(outcome.label(), Label::Failed, "{outcome:?}");
     }
 }
 

@@ -108,6 +108,6 @@ pub struct Solve {
     /// Whether an unknown that its own equation contains with the factor 1 is eliminated first, without a comparison of
     /// pivots.
     pub has_sound_diagonal: bool,
-    /// The number of first unknowns that the equations determine. Those behind them are 0 where the equations are dependent.
+    /// The number of first unknowns that the equations determine. Those behind them are 0 where dependent equations leave them open.
     pub determined: usize,
 }

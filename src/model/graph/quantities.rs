@@ -75,8 +75,8 @@ impl Recorder {
         self.unknowns(matrix, right, (true, right.len()))
     }
 
-    /// Returns the unknowns of [`Recorder::accelerations`], with a sound diagonal, or of [`Recorder::solve`]. The equations determine
-    /// the first of them; those of the others that dependent equations leave open are 0.
+    /// Returns unknowns as [`Recorder::accelerations`] does, if the matrix has a sound diagonal, and otherwise as [`Recorder::solve`]
+    /// does. The equations determine the first of them; the others are 0 where dependent equations leave them open.
     pub(in crate::model) fn unknowns<'r>(
         &'r self,
         matrix: &[Vec<Expression<'r>>],

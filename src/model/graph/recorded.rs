@@ -97,6 +97,11 @@ impl Graph {
         self.component(self.contacts[contact][0])
     }
 
+    /// Returns whether the equations determine all forces.
+    pub(crate) fn determines_all_forces(&self) -> bool {
+        self.solves.iter().all(|solve| solve.determined == solve.right.len())
+    }
+
     /// Returns whether the position of a contact moves at a rate that depends on its sliding speed alone.
     pub fn holds_position(&self, contact: usize) -> bool {
         let Some(speed) = self.held_component(contact) else { return false };

@@ -1,7 +1,7 @@
 //! The solution of a linear system as instructions: factors once, then any number of right-hand sides.
 
 use crate::graph::{Builder, Cell, Product};
-use crate::motion::linear_system::{DEPENDENT_PIVOT, SMALL_PIVOT};
+use crate::motion::linear_system::{DEPENDENT_PIVOT, LEAST_SCALE, SMALL_PIVOT};
 
 /// The factors `L U` of a matrix, whose rows with small pivots are exchanged ([`SMALL_PIVOT`]). Entries that are always zero
 /// are left out.
@@ -16,7 +16,7 @@ pub(super) struct LuFactors {
     exchanges: Vec<([usize; 2], [Cell; 2])>,
     /// The number of first unknowns that the equations determine.
     determined: usize,
-    /// For each of the other unknowns but the last, two numbers of which the first is less where it is not determined.
+    /// For each unknown behind them: it is not determined where the first number is less than the second.
     undetermined: Vec<[Cell; 2]>,
     /// The inverse of the last two rows and columns, row by row, if exactly two unknowns are not eliminated first.
     last: Option<[Option<Cell>; 4]>,
@@ -139,6 +139,13 @@ impl LuFactors {
                 *scale = if *scale == zero { of } else { builder.larger(*scale, of) };
             }
         }
+        if self.determined < size {
+            // A row of zeros must not be compared with others by 0.
+            let least = builder.number(LEAST_SCALE);
+            for scale in scales.iter_mut().skip(first) {
+                *scale = builder.larger(*scale, least);
+            }
+        }
         for column in first..size {
             for row in self.later_rows(column) {
                 let Some(other) = self.entries[row * size + column] else { continue };
@@ -183,8 +190,8 @@ impl LuFactors {
     /// Returns the rows that remain after that of an unknown.
     fn later_rows(&self, column: usize) -> impl Iterator<Item = usize> + use<> {
         let size = self.order.len();
-        let remaining = column.saturating_sub(self.determined);
-        (column + 1..size).chain(size..size + remaining)
+        let left_over = column.saturating_sub(self.determined);
+        (column + 1..size).chain(size..size + left_over)
     }
 
     /// Writes the unknowns for a right-hand side to `out`. Returns which may differ from zero; the others are not written.
