@@ -79,7 +79,7 @@ fn a_box_rests_on_two_feet() {
         );
         let limit: f64 = limit.parse().expect("a number");
         for outcome in outcomes(&system, 32, 10.0) {
-            assert_eq!(outcome.evidence.name(), "rest_contracting", "{outcome:?}");
+            assert_eq!(outcome.evidence.name(), "rest_certified", "{outcome:?}");
             let x = outcome.outputs[0].end;
             let margin = 1.0 - 200.0 * x.abs() / (limit * 2.0 * 9.81);
             let found = outcome.evidence.friction_margin().expect("contacts stick");
