@@ -58,12 +58,15 @@ pub(crate) fn significant(value: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// Returns a positive number with three significant digits and at most three decimals, or with an exponent below 0.001.
+/// Returns a number with three significant digits and at most three decimals, or with an exponent if its size is below 0.001.
 pub fn three_digits(value: f64) -> String {
-    if value > 0.0 && value < 1e-3 {
+    // Zero has no sign.
+    let value = value + 0.0;
+    let size = value.abs();
+    if size > 0.0 && size < 1e-3 {
         return format!("{value:.2e}");
     }
-    let digits = if value > 0.0 { 2 - value.log10().floor() as i32 } else { 0 };
+    let digits = if size > 0.0 { 2 - size.log10().floor() as i32 } else { 0 };
     format!("{value:.0$}", digits.clamp(0, 3) as usize)
 }
 
@@ -91,6 +94,8 @@ mod tests {
     fn numbers_have_three_digits() {
         let found = [0.0, 0.0124, 0.5302, 28.31, 99.96, 1234.5].map(three_digits);
         assert_eq!(found, ["0", "0.012", "0.530", "28.3", "100.0", "1234"]);
+        let found = [-0.0, -0.0124, -28.31, -1e-5].map(three_digits);
+        assert_eq!(found, ["0", "-0.012", "-28.3", "-1.00e-5"]);
         let found = [0.0, 1e-4, 0.875, 0.9999, 1.0].map(percent);
         assert_eq!(found, ["0.0", "<0.1", "87.5", ">99.9", "100.0"]);
     }

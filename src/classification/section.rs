@@ -95,7 +95,11 @@ impl Section {
                 followers.push((follower, leader, false));
             }
         }
-        let free = view.free.iter().filter(|place| **place != marking.0);
+        let driven = |place: &usize| {
+            let mut contacts = view.contacts.iter().zip(&rests);
+            contacts.any(|(contact, rests)| *rests && contact.driven == Some(*place))
+        };
+        let free = view.free.iter().filter(|place| **place != marking.0 && !driven(place));
         let mut coordinates: Vec<_> = free.map(|place| (*place, false)).collect();
         for (index, contact) in view.contacts.iter().enumerate() {
             if following.iter().any(|(follower, _)| *follower == index) {
@@ -103,7 +107,8 @@ impl Section {
             }
             // Several contacts may have the speed and the position of one body.
             let is_new = |coordinates: &[(usize, bool)], place: usize| {
-                place != marking.0 && coordinates.iter().all(|(other, _)| *other != place)
+                let known = coordinates.iter().any(|(other, _)| *other == place);
+                place != marking.0 && !known && !driven(&place)
             };
             if phases[index] != Phase::Stick {
                 let speed = contact.speed.filter(|speed| is_new(&coordinates, *speed));
@@ -111,7 +116,7 @@ impl Section {
             }
             // Another contact of the same body may hold it there.
             let held = |(other, place): (usize, &ContactPlace)| {
-                place.position == contact.position && rests[other] && place.speed.is_some()
+                place.position == contact.position && rests[other] && place.holds()
             };
             let counts = !contact.ignorable && !view.contacts.iter().enumerate().any(held);
             if counts && is_new(&coordinates, contact.position) {
@@ -199,7 +204,7 @@ impl Section {
     /// Returns the number of contacts at whose other positions the motion would also repeat: contacts that rest, and contacts
     /// whose positions occur in no equation.
     pub(super) fn neutral_directions(&self, view: &SystemView) -> usize {
-        let rests = |index: usize| self.rests[index] && view.contacts[index].speed.is_some();
+        let rests = |index: usize| self.rests[index] && view.contacts[index].holds();
         let contacts = view.contacts.iter().enumerate();
         let neutral = contacts.filter(|(index, contact)| rests(*index) || contact.ignorable);
         let mut positions: Vec<usize> = neutral.map(|(_, contact)| contact.position).collect();

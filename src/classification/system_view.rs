@@ -29,10 +29,19 @@ pub(super) struct ContactPlace {
     pub(super) position: usize,
     /// The component that is its sliding speed, if that is one component.
     pub(super) speed: Option<usize>,
+    /// The component that the phase of the forcing determines while it sticks, if its sliding speed is no component.
+    pub(super) driven: Option<usize>,
     /// Whether the position is an angle.
     pub(super) angular: bool,
     /// Whether nothing depends on the position, so that a motion repeats also at another one.
     pub(super) ignorable: bool,
+}
+
+impl ContactPlace {
+    /// Returns whether it keeps its position on its support while it sticks, wherever that is.
+    pub(super) fn holds(&self) -> bool {
+        self.speed.or(self.driven).is_some()
+    }
 }
 
 impl SystemView {
@@ -42,6 +51,7 @@ impl SystemView {
         let place = |(contact, layout): (usize, &crate::model::ContactLayout)| ContactPlace {
             position: layout.position,
             speed: graph.speed_component(contact),
+            driven: graph.driven_component(contact),
             angular: layout.angular,
             ignorable: graph.may_creep(layout),
         };

@@ -11,8 +11,13 @@ use crate::model::{Components, TOUCHING};
 
 /// Bodies in touch that move more slowly than this, non-dimensional, rest: rounding is left of their speeds.
 pub(crate) const STILL: f64 = 1e-12;
-/// The number of times that all speeds at rest are removed in turn.
-const MOST_SWEEPS: usize = 20;
+/// A sliding speed that depends on the velocities with a factor below this vanishes with the factor, as that of a crank at its dead
+/// centre: no friction stops the velocities there.
+pub(super) const VANISHES: f64 = 1e-6;
+/// The number of times that all speeds at rest are removed in turn, at most.
+const MOST_SWEEPS: usize = 200;
+/// What is left of speeds at rest, non-dimensional, when they are no longer removed.
+const LEFT: f64 = 1e-15;
 
 /// Returns whether bodies that may separate touch, and do not move apart.
 pub(crate) fn lies([gap, speed, _]: &[f64; 3]) -> bool {
@@ -83,6 +88,7 @@ impl TouchingSystem<'_> {
         let responses = self.evaluator.responses(&state[..], &places);
         let mut speeds = self.evaluator.openings(|place| state[place]);
         for _ in 0..MOST_SWEEPS {
+            let mut largest: f64 = 0.0;
             for (opening, response) in touching.iter().zip(responses.chunks(2)) {
                 let contact = self.openings[*opening].contact;
                 let slides = phases[contact] != Phase::Stick;
@@ -93,6 +99,11 @@ impl TouchingSystem<'_> {
                         continue;
                     }
                     let impulse = -left / answer;
+                    let change = by.components.iter().fold(0.0, |most: f64, by| most.max(by.abs()));
+                    if which == 1 && VANISHES * (impulse * change).abs() > left.abs() {
+                        continue;
+                    }
+                    largest = largest.max(left.abs());
                     for (value, by) in state.iter_mut().zip(&by.components) {
                         *value += impulse * by;
                     }
@@ -104,6 +115,9 @@ impl TouchingSystem<'_> {
                 if !slides && graph.speed_component(contact).is_some() {
                     self.stop(contact, state);
                 }
+            }
+            if largest <= LEFT {
+                break;
             }
         }
     }

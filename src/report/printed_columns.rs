@@ -83,6 +83,8 @@ pub fn estimate_columns(
         let interval = |row: &Estimates<'_>| {
             let Estimate { low, high, .. } = estimate(row);
             match (low.map(text), high.map(text)) {
+                // A hyphen before a negative number would be read as its sign.
+                (Some(low), Some(high)) if low.starts_with('-') => Some(format!("{low} to {high}")),
                 (Some(low), Some(high)) => Some(format!("{low}-{high}")),
                 (Some(low), None) => Some(format!("≥ {low}")),
                 (None, Some(high)) => Some(format!("≤ {high}")),

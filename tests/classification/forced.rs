@@ -6,7 +6,7 @@ use stickslip::classification::{CyclePhase, Outcome, simulate};
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
-use super::outputs::cases;
+use super::outputs::{cases, outcomes};
 use super::{METHODS, near};
 
 /// A block of 1 kg with Coulomb friction under a normal force of 1 N, which the force `A cos φ - s` and maybe a spring of 1 N/m
@@ -169,6 +169,31 @@ fn a_block_on_a_vibrating_slope_creeps_as_in_closed_form() {
             let cycle = outcome.evidence.cycle().expect("known");
             assert_eq!(cycle.configurations.len(), 2, "{:?}", cycle.configurations);
             assert_eq!(cycle.neutral_directions, 1);
+        }
+    }
+}
+
+/// A mass on a spring is held by friction to a base that shakes: it rests there, whether its coordinate is counted from the base or from
+/// the ground.
+#[test]
+fn a_mass_rests_on_a_base_that_shakes() {
+    for (sliding, force) in [
+        ("x' - a * w * cos(w * t)", "-k * (x - a * sin(w * t))"),
+        ("2 * (a * w * cos(w * t) - x')", "-k * (x - a * sin(w * t))"),
+        ("x'", "-k * x + m * a * w^2 * sin(w * t)"),
+    ] {
+        let system = format!(
+            "parameters: {{m: 5 kg, k: 2000 N/m, a: 4 mm, w: 10 rad/s, load: 30 N, mu: 0.25}}
+coordinates: {{x: {{unit: m, start: [-2 mm, 2 mm]}}}}
+mass: {{x: {{x: m}}}}
+force: {{x: {force}}}
+period: 2 * pi / w
+contacts: {{damper: {{normal: load, sliding: {sliding}, friction: {{coulomb: {{coefficient: mu}}}}}}}}"
+        );
+        for outcome in outcomes(&system, 8, 60.0) {
+            assert_eq!(outcome.evidence.name(), "periodic_rest", "{sliding}: {outcome:?}");
+            let margin = outcome.evidence.friction_margin().expect("it sticks");
+            assert!((0.0..1.0).contains(&margin), "{outcome:?}");
         }
     }
 }

@@ -34,6 +34,8 @@ mod shared_loads;
 pub mod simulate_all;
 mod stages;
 mod step_limit;
+mod sudden_forces;
+mod system_units;
 mod torus;
 mod woodpecker;
 mod written;

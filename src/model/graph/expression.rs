@@ -82,6 +82,19 @@ impl<'r> Expression<'r> {
             recorder.add(Node::Function(Function::Logarithm, id, id))
         })
     }
+
+    /// Returns this times a power of two. Factors of several calls become one, so that a conversion to other units and back leaves
+    /// nothing.
+    pub(in crate::model) fn times_power_of_two(self, factor: f64) -> Self {
+        if let Recorded(recorder, id) = self.0
+            && let Node::Product(known, other) = recorder.node(id)
+            && let Node::Constant(earlier) = recorder.node(known)
+            && libm::frexp(earlier).0 == 0.5
+        {
+            return Expression::constant(factor * earlier) * Expression::node(recorder, other);
+        }
+        Expression::constant(factor) * self
+    }
 }
 
 impl Add for Expression<'_> {

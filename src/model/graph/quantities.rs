@@ -1,6 +1,6 @@
 //! The quantities that a system records: inputs, components of the state, and the unknowns of linear systems.
 
-use super::{Expression, Node, Recorder, Solve};
+use super::{Expression, Node, NodeId, Recorder, Solve};
 
 impl Recorder {
     /// Returns a new input with this name, which may depend on the modes of contacts and gaps.
@@ -102,7 +102,11 @@ impl Recorder {
 
     /// Returns the node of an expression.
     pub(in crate::model) fn node_of(&self, of: Expression<'_>) -> Node {
-        let id = of.id(self);
+        self.node(of.id(self))
+    }
+
+    /// Returns a node.
+    pub(super) fn node(&self, id: NodeId) -> Node {
         self.0.borrow().nodes[id as usize]
     }
 }

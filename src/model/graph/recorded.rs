@@ -118,6 +118,21 @@ impl Graph {
     /// Returns the component that alone determines the sliding speed of a contact, by a constant factor and a constant summand:
     /// `x'` for `x' - v_belt`. Returns `None` if the sliding speed equals the component.
     pub fn shifted_component(&self, contact: usize) -> Option<usize> {
+        self.only_component(contact, &[])
+    }
+
+    /// Returns the component that determines the sliding speed of a contact together with the phase of the forcing, and alone the
+    /// rate of its position: `x'` for `x' - v cos(w t)`. While the contact sticks, the phase determines this component.
+    pub fn driven_component(&self, contact: usize) -> Option<usize> {
+        let phase = self.layout.forcing?.component;
+        let position = self.derivative[self.layout.contacts[contact].position];
+        let driven = self.only_component(contact, &[phase])?;
+        self.depends_at_most_on(position, &[driven]).then_some(driven)
+    }
+
+    /// Returns the component that determines the sliding speed of a contact by a constant factor and a summand that depends on no
+    /// other components than `beside`.
+    fn only_component(&self, contact: usize, beside: &[usize]) -> Option<usize> {
         let mut node = self.contacts[contact][0];
         if self.component(node).is_some() {
             return None;
@@ -126,19 +141,10 @@ impl Graph {
             node = match self.nodes[node as usize] {
                 Node::State(component) => return Some(component as usize),
                 Node::Negation(of) => of,
-                Node::Sum(a, b) | Node::Product(a, b) | Node::Difference(a, b)
-                    if self.is_constant(a) =>
-                {
-                    b
-                }
-                Node::Sum(a, b)
-                | Node::Product(a, b)
-                | Node::Difference(a, b)
-                | Node::Quotient(a, b)
-                    if self.is_constant(b) =>
-                {
-                    a
-                }
+                Node::Sum(a, b) | Node::Difference(a, b) if self.depends_at_most_on(a, beside) => b,
+                Node::Sum(a, b) | Node::Difference(a, b) if self.depends_at_most_on(b, beside) => a,
+                Node::Product(a, b) if self.depends_at_most_on(a, &[]) => b,
+                Node::Product(a, b) | Node::Quotient(a, b) if self.depends_at_most_on(b, &[]) => a,
                 _ => return None,
             };
         }
@@ -156,11 +162,12 @@ impl Graph {
         }
     }
 
-    /// Returns whether a node depends on no component of the state.
-    fn is_constant(&self, node: NodeId) -> bool {
+    /// Returns whether a node depends on no other components of the state than these.
+    fn depends_at_most_on(&self, node: NodeId, these: &[usize]) -> bool {
         let mut open = vec![node];
         while let Some(node) = open.pop() {
             match self.nodes[node as usize] {
+                Node::State(component) if these.contains(&(component as usize)) => {}
                 Node::State(_) | Node::Discrete(_) => return false,
                 node => open.extend(node.operands(&self.solves)),
             }

@@ -10,6 +10,7 @@ use super::given_terms::GivenTerms;
 use super::instance::Instance;
 use super::numeric::{NamedValues, Scales};
 use super::sizes::Sizes;
+use super::state_units::StateUnits;
 use super::system::WrittenSystem;
 use super::velocities::{Rates, SpeedOf};
 use crate::model::invalid_parameter::{invalid, not_negative};
@@ -48,8 +49,8 @@ impl ExaminedSystem {
     ) -> Valued<Self> {
         let definition = instance.definition;
         let period = instance.period_s(values)?;
-        let Sizes { middle, reach, is_finite, without_energy, rates, scales } =
-            instance.sizes(values, period)?;
+        let sizes = instance.sizes(values, period)?;
+        let scales = sizes.scales;
         let parameters = definition.parameters.iter().zip(values);
         let scaled: Vec<f64> =
             parameters.map(|(given, value)| value / scales.unit(given.unit.dimension)).collect();
@@ -57,8 +58,22 @@ impl ExaminedSystem {
         let numeric = NamedValues { scales, parameters: &named, coordinates: &[], time: 0.0 };
         let speed_of = instance.choose_velocities(numeric)?;
         let moving = instance.rates(&speed_of, numeric)?;
+        let integrals = instance.choose_positions(&speed_of, numeric)?;
+        let chosen = (&moving, &speed_of[..], &integrals[..]);
+        let aside = |part: f64| {
+            let each = sizes.middle.iter().zip(&sizes.reach);
+            let moved = |(middle, reach): (&[f64; 2], &[f64; 2])| {
+                [0, 1].map(|which| {
+                    middle[which] + part * if reach[which] > 0.0 { reach[which] } else { 1.0 }
+                })
+            };
+            each.map(moved).collect::<Vec<_>>()
+        };
+        let states = [sizes.middle.clone(), aside(0.29), aside(-0.37)];
+        let units = StateUnits::new((&instance, values, &sizes), chosen, &states)?;
         let unit_of_speed = |number: usize| {
             let unit = scales.unit(instance.speed_dimension(number).map_err(|(_, fault)| fault)?);
+            let unit = unit * units.contacts[number];
             let multiple = instance.multiple((number, speed_of[number]), &moving, numeric)?;
             Ok(unit * multiple.unwrap_or(1.0))
         };
@@ -69,10 +84,11 @@ impl ExaminedSystem {
             instance.dimension(&output.formula, bodies)
         });
         let outputs = outputs.collect::<Result<Vec<_>, _>>()?;
-        let second = scales.unit([0, 0, WHOLE]);
+        let Sizes { middle, is_finite, without_energy, rates, .. } = sizes;
+        let second = scales.unit([0, 0, WHOLE]) * units.time;
         let (mut friction, mut impacts, mut sound) = (Vec::new(), Vec::new(), Ok(()));
         let (largest_force, force_units) =
-            instance.sizes_of_forces(&scaled, scales, &middle, (&moving, &speed_of))?;
+            instance.sizes_of_forces(&scaled, (scales, &units), &middle, (&moving, &speed_of))?;
         for (number, &speed) in speeds.iter().enumerate() {
             let (law, coefficient) = instance.law(number, values, of_study)?;
             let impact = instance.impact_law(number, values)?;
@@ -86,7 +102,7 @@ impl ExaminedSystem {
                     ..invalid
                 });
             sound = sound.and(checked);
-            let power = scales.unit([WHOLE, 2 * WHOLE, -3 * WHOLE]);
+            let power = scales.unit([WHOLE, 2 * WHOLE, -3 * WHOLE]) * units.power;
             let drag = force_units[number] * power / (speed * speed);
             friction.push(law.contact(coefficient, speed, drag));
             impacts.push(impact);
@@ -105,16 +121,6 @@ impl ExaminedSystem {
         if let Some(period) = period.filter(|period| !(period.is_finite() && *period > 0.0)) {
             sound = Err(invalid("period", &period.to_string(), "a positive, finite time"));
         }
-        let aside = |part: f64| {
-            let each = middle.iter().zip(&reach);
-            let moved = |(middle, reach): (&[f64; 2], &[f64; 2])| {
-                [0, 1].map(|which| {
-                    middle[which] + part * if reach[which] > 0.0 { reach[which] } else { 1.0 }
-                })
-            };
-            each.map(moved).collect::<Vec<_>>()
-        };
-        let states = [middle.clone(), aside(0.29), aside(-0.37)];
         if let (Some(period), true) = (period, sound.is_ok())
             && !instance.repeats(values, &states, (period, None))?
         {
@@ -153,7 +159,6 @@ impl ExaminedSystem {
                 sound = Err(invalid(&quantity.name, &found, allowed));
             }
         }
-        let integrals = instance.choose_positions(&speed_of, numeric)?;
         let coordinates = [instance.rates(&integrals, numeric)?.without_constants(), moving];
         let mut system = WrittenSystem {
             has_one_solution: false,
@@ -171,6 +176,7 @@ impl ExaminedSystem {
             force_units,
             values: scaled,
             scales,
+            units,
             instance,
         };
         system.has_one_solution = sound.is_ok() && system.always_decides_in_one_way();
@@ -179,7 +185,8 @@ impl ExaminedSystem {
 
     /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.
     pub fn start_state(&self, start: &[f64]) -> Valued<Vec<f64>> {
-        let WrittenSystem { instance, scales, values, speeds, integrals, .. } = &*self.system;
+        let WrittenSystem { instance, scales, units, values, speeds, integrals, .. } =
+            &*self.system;
         let (positions, rates) = start.split_at(instance.coordinates.len().min(start.len()));
         let state: Vec<[f64; 2]> =
             positions.iter().zip(rates).map(|(position, rate)| [*position, *rate]).collect();
@@ -207,7 +214,9 @@ impl ExaminedSystem {
             }
         }
         let clock = self.system.has_clock().then_some(0.0);
-        Ok(places.into_iter().chain(velocities).chain(clock).collect())
+        let all = places.into_iter().chain(velocities);
+        let in_units = all.zip(units.positions.iter().chain(&units.velocities));
+        Ok(in_units.map(|(value, unit)| value / unit).chain(clock).collect())
     }
 }
 
@@ -266,7 +275,7 @@ impl Instance<'_> {
     fn sizes_of_forces(
         &self,
         scaled: &[f64],
-        scales: Scales,
+        (scales, state_units): (Scales, &StateUnits),
         middle: &[[f64; 2]],
         (moving, speeds): (&Rates<f64>, &[SpeedOf]),
     ) -> Valued<(f64, Vec<f64>)> {
@@ -276,7 +285,10 @@ impl Instance<'_> {
         let mut numeric =
             NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time: 0.0 };
         let (mass, mut forces) = self.mass_and_forces(&mut numeric)?;
-        let inertia = moving.between(&mass);
+        let mut inertia = moving.between(&mass);
+        state_units.convert_inertia(&mut inertia);
+        forces = moving.across(&forces);
+        state_units.convert_forces(&mut forces);
         let mut units = Vec::with_capacity(speeds.len());
         for (number, speed) in speeds.iter().enumerate() {
             let (contact, mut bodies) = self.contact(number);
@@ -290,7 +302,8 @@ impl Instance<'_> {
                 }
                 SpeedOf::Formula => 1.0,
             };
-            forces.push(bodies.evaluate(force, &mut numeric)? / unit);
+            let force = bodies.evaluate(force, &mut numeric)? * state_units.force_factor(number);
+            forces.push(force / unit);
             units.push(unit);
         }
         let sizes = forces.into_iter().map(f64::abs).filter(|size| size.is_finite());

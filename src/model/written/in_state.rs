@@ -32,11 +32,15 @@ impl WrittenSystem {
         let time = clock
             .first()
             .map_or(0.0, |clock| clock * self.period.map_or(1.0, |period| period / TAU));
+        let time = time * self.units.time;
         let parameters = self.parameters_at(&self.values, &self.stage, time);
         let base =
             NamedValues { scales: self.scales, parameters: &parameters, coordinates: &[], time };
         let [shapes, rates] = &self.coordinates;
-        let (shapes, moving) = (shapes.at(positions), rates.at(velocities));
+        let (shapes, moving) = (
+            shapes.at(&self.units.positions_of(positions)),
+            rates.at(&self.units.velocities_of(velocities)),
+        );
         let coordinates = instance.named(|number| [shapes[number], moving[number]]);
         compute(NamedValues { coordinates: &coordinates, ..base }, rates).map(Some)
     }

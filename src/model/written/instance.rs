@@ -157,6 +157,11 @@ impl<'d> Instance<'d> {
         self.coordinates.iter().position(is_it)
     }
 
+    /// Returns whether a coordinate is an angle that goes round and round.
+    pub fn is_periodic(&self, coordinate: usize) -> bool {
+        self.definition.coordinates[self.coordinates[coordinate].of].periodic
+    }
+
     /// Returns whether the sliding speed of a contact has the same factors of the rates of change in all states.
     pub fn has_constant_factors(&self, contact: usize) -> Valued<bool> {
         let (contact, mut bodies) = self.contact(contact);

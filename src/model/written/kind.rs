@@ -10,6 +10,7 @@ use super::examined::ExaminedSystem;
 use super::formula::{Dimension, Formula, FormulaFault, Valued, WHOLE};
 use super::instance::{Instance, Member};
 use super::sizes::ranges;
+use super::state_units::StateUnits;
 use super::velocities::SpeedOf;
 use crate::model::ball_balancer::PROFILE_PARAMETERS;
 use crate::model::invalid_parameter::invalid;
@@ -296,26 +297,34 @@ impl OwnKind for WrittenKind {
         let ExaminedSystem { scales, speeds, outputs, system, .. } = &*examined;
         let instance = &system.instance;
         let unit = |dimension: Dimension| scales.unit(dimension);
-        let power = unit([WHOLE, 2 * WHOLE, -3 * WHOLE]);
+        let StateUnits { time, power, positions, .. } = &system.units;
+        let second = unit([0, 0, WHOLE]) * time;
+        let power = unit([WHOLE, 2 * WHOLE, -3 * WHOLE]) * power;
         let contact = |(number, &sliding_speed): (usize, &f64)| {
-            let member = instance.coordinates[system.position(number)];
+            let place = system.position(number);
+            let member = instance.coordinates[place];
             ContactUnits {
                 position: match system.integrals[number] {
-                    SpeedOf::Formula => unit(self.definition.coordinates[member.of].unit.dimension),
-                    _ => sliding_speed * unit([0, 0, WHOLE]),
+                    SpeedOf::Formula => {
+                        unit(self.definition.coordinates[member.of].unit.dimension)
+                            * positions[place]
+                    }
+                    _ => sliding_speed * second,
                 },
                 sliding_speed,
                 force_n: system.force_units[number] * power / sliding_speed,
             }
         };
         let of_coordinate = |which: usize| {
-            instance.coordinates.iter().map(move |member| {
+            instance.coordinates.iter().enumerate().map(move |(number, member)| {
                 let coordinate = &self.definition.coordinates[member.of];
+                let state_unit = system.units.of_coordinate(number)[which];
                 let [mass, length, time] = coordinate.unit.dimension;
                 let is_position = which == 0;
                 let is_length = matches!(coordinate.unit.si.as_str(), "m" | "1");
                 OutputUnits {
-                    size: unit([mass, length, time - if is_position { 0 } else { WHOLE }]),
+                    size: state_unit
+                        * unit([mass, length, time - if is_position { 0 } else { WHOLE }]),
                     angular: is_position && coordinate.periodic,
                     has_amplitude: is_position && is_length,
                 }
@@ -328,7 +337,7 @@ impl OwnKind for WrittenKind {
             has_amplitude: false,
         });
         Units {
-            natural_rad_s: 1.0 / unit([0, 0, WHOLE]),
+            natural_rad_s: 1.0 / second,
             length_m: unit([0, WHOLE, 0]),
             contacts: speeds.iter().enumerate().map(contact).collect(),
             outputs: coordinates.chain(outputs).collect(),

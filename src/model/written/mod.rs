@@ -33,6 +33,7 @@ mod numeric;
 mod parser;
 mod sizes;
 mod small_motions;
+mod state_units;
 mod system;
 mod velocities;
 

@@ -38,6 +38,11 @@ pub(super) trait Scalar: Number + Div<Output = Self> {
     fn exponential(self) -> Self;
     fn arc_tangent(self) -> Self;
     fn logarithm(self) -> Self;
+
+    /// Returns this times a power of two.
+    fn in_unit(self, unit: f64) -> Self {
+        Self::constant(unit) * self
+    }
 }
 
 impl Scalar for f64 {
@@ -91,6 +96,10 @@ impl Scalar for Expression<'_> {
 
     fn logarithm(self) -> Self {
         self.log()
+    }
+
+    fn in_unit(self, unit: f64) -> Self {
+        self.times_power_of_two(unit)
     }
 }
 

@@ -22,6 +22,10 @@ pub(super) struct Sizes {
     /// The highest frequency and the largest rate of damping without contacts, 1/s.
     pub rates: [f64; 2],
     pub scales: Scales,
+    /// The rate at which it moves, 1/s.
+    pub rate: f64,
+    /// How far each coordinate moves; 0 if nothing says so.
+    pub amplitudes: Vec<f64>,
 }
 
 /// Returns the range of start values and that of start rates of each coordinate, in SI units.
@@ -81,10 +85,12 @@ impl Instance<'_> {
         let is_length = |i: &usize| {
             definition.coordinates[instance.coordinates[*i].of].unit.dimension == [0, WHOLE, 0]
         };
-        let length = (0..n).filter(is_length).map(|i| {
+        let amplitude = |i: usize| {
             reach[i][0].max(reach[i][1] / rate).max(acceleration[i].abs() / (rate * rate))
-        });
-        let length = length.filter(|value| value.is_finite()).fold(0.0, f64::max);
+        };
+        let amplitudes: Vec<f64> = (0..n).map(amplitude).collect();
+        let lengths = (0..n).filter(is_length).map(|i| amplitudes[i]);
+        let length = lengths.filter(|value| value.is_finite()).fold(0.0, f64::max);
         let length = if length > 0.0 { length } else { 1.0 };
         let masses =
             (0..n).map(|i| if is_length(&i) { mass[i] } else { mass[i] / (length * length) });
@@ -107,6 +113,8 @@ impl Instance<'_> {
             // A step is at most half a turn at this speed.
             rates: [frequency.max(0.5 * turning), damping],
             scales,
+            rate,
+            amplitudes,
         })
     }
 
@@ -142,7 +150,7 @@ impl Instance<'_> {
     }
 
     /// Returns the mass matrix and the forces in a state.
-    fn mass_at(
+    pub fn mass_at(
         &self,
         values: &[f64],
         state: &[[f64; 2]],

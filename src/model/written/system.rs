@@ -10,6 +10,7 @@ use super::given_terms::GivenTerms;
 use super::instance::Instance;
 use super::measured::MeasuredQuantities;
 use super::numeric::{NamedValues, Scalar, Scales};
+use super::state_units::StateUnits;
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{
     Components, ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
@@ -24,6 +25,8 @@ pub(super) struct WrittenSystem {
     /// A number for each definition of the process.
     pub number: usize,
     pub scales: Scales,
+    /// The units of the state over those of the formulas.
+    pub units: StateUnits,
     /// The values of the parameters, in the units of `scales`.
     pub values: Vec<f64>,
     pub friction: Vec<Friction>,
@@ -91,6 +94,7 @@ impl WrittenSystem {
             (Some(time), None) => [time, one],
             (None, _) => [zero; 2],
         };
+        let time = time.in_unit(self.units.time);
         let stage = self.stage.map(|_| recorder.parameter("stage"));
         let parameters = self.parameters_at(&values, &stage, time);
         let at_rest = instance.named(|_| [zero; 2]);
@@ -101,8 +105,9 @@ impl WrittenSystem {
             time,
         };
         let rates = instance.rates(&self.speeds, base)?;
-        let moving = rates.at(&speeds);
-        let shapes = instance.rates(&self.integrals, base)?.without_constants().at(&positions);
+        let moving = rates.at(&self.units.velocities_of(&speeds));
+        let shapes = instance.rates(&self.integrals, base)?.without_constants();
+        let shapes = shapes.at(&self.units.positions_of(&positions));
         let named = instance.named(|number| [shapes[number], moving[number]]);
         let values = NamedValues { coordinates: &named, ..base };
         let (clock, coordinates) = (clock.map(|clock| [clock, rate]), [shapes, moving]);
@@ -112,7 +117,8 @@ impl WrittenSystem {
     /// Records the coordinates, their rates of change and the outputs of the file.
     fn measured_quantities<'r>(&self, recorder: &'r Recorder) -> Valued<Vec<Expression<'r>>> {
         self.in_recorded_state(recorder, |state| {
-            let RecordedState { coordinates, mut values, .. } = state;
+            let RecordedState { mut coordinates, mut values, .. } = state;
+            self.units.convert_coordinates(&mut coordinates);
             let mut quantities = coordinates.concat();
             for number in 0..self.instance.outputs.len() {
                 let (output, mut bodies) = self.instance.output(number);
@@ -142,9 +148,11 @@ impl WrittenSystem {
             if let SpeedOf::Velocity(place) = integral
                 && let Some(speed) = instance.linear(number, base)?
             {
-                advancing[*place] = speeds[*place] - speed.constant;
+                let speed_there = speeds[*place].in_unit(self.units.velocities[*place]);
+                advancing[*place] = speed_there - speed.constant;
             }
         }
+        self.units.convert_rates(&mut advancing);
         // The factors of accelerations in normal forces are derivatives by these inputs, which are 0.
         let accelerations: Vec<_> = positions
             .iter()
@@ -156,14 +164,18 @@ impl WrittenSystem {
             values[2] = *acceleration;
         }
         let (mass, forces) = instance.mass_and_forces(&mut values)?;
+        let (mut mass, mut forces) = (rates.between(&mass), rates.across(&forces));
+        self.units.convert_inertia(&mut mass);
+        self.units.convert_forces(&mut forces);
         let mut contacts = Vec::new();
         for (number, friction) in self.friction.iter().enumerate() {
             let (contact, mut bodies) = instance.contact(number);
             let formula = contact.normal.entry().1;
             // A sliding speed in a larger unit means forces in a smaller one.
             let factor = instance.multiple((number, self.speeds[number]), &rates, base)?;
-            let in_unit = |force| factor.map_or(force, |factor| factor * force);
-            let normal = in_unit(bodies.evaluate(formula, &mut values)?);
+            let unit = self.units.force_factor(number);
+            let in_unit = |force| factor.map_or(force, |factor| factor * force).in_unit(unit);
+            let normal = bodies.evaluate(formula, &mut values)?;
             let place = self.position(number);
             let member = instance.coordinates[place];
             contacts.push(MechanismContact {
@@ -173,12 +185,15 @@ impl WrittenSystem {
                         SpeedOf::Velocity(place) | SpeedOf::Same(place) | SpeedOf::Multiple(place),
                         _,
                     ) => speeds[place],
-                    (SpeedOf::Formula, Some(sliding)) => bodies.evaluate(sliding, &mut values)?,
+                    (SpeedOf::Formula, Some(sliding)) => {
+                        let speed = bodies.evaluate(sliding, &mut values)?;
+                        speed.in_unit(1.0 / self.units.contacts[number])
+                    }
                     (SpeedOf::Formula, None) => zero,
                 },
                 normal: match contact.normal {
                     WrittenNormal::Given(_) if accelerations.is_empty() => {
-                        MechanismNormal::Given(normal)
+                        MechanismNormal::Given(in_unit(normal))
                     }
                     WrittenNormal::Given(_) => {
                         let mut moving = NamedValues { coordinates: &accelerated, ..values };
@@ -186,9 +201,14 @@ impl WrittenSystem {
                         let factor =
                             |of: &Expression<'r>| recorder.rate_of_change(force, &[(*of, one)]);
                         let factors: Vec<_> = accelerations.iter().map(factor).collect();
-                        MechanismNormal::Reaction(normal, rates.across(&factors))
+                        let mut factors = rates.across(&factors);
+                        self.units.convert_accelerations(&mut factors);
+                        MechanismNormal::Reaction(in_unit(normal), factors)
                     }
-                    WrittenNormal::Gap(_) => MechanismNormal::Gap(normal),
+                    WrittenNormal::Gap(_) => {
+                        let unit = self.units.contacts[number] * self.units.time;
+                        MechanismNormal::Gap(normal.in_unit(1.0 / unit))
+                    }
                 },
                 friction: *friction,
                 force_unit: self.force_units[number],
@@ -202,8 +222,8 @@ impl WrittenSystem {
                 .collect(),
             rates: advancing,
             others: clock.into_iter().collect(),
-            mass: rates.between(&mass),
-            forces: rates.across(&forces),
+            mass,
+            forces,
             contacts,
             forcing: clock.filter(|_| self.period.is_some()).map(|[phase, _]| (phase, TAU)),
         })
@@ -249,12 +269,14 @@ impl WrittenSystem {
         let scaled = terms.iter().zip(1..).map(|(term, power)| term * second.powi(power));
         // The angle after which all formulas repeat.
         let repeats_rad = match (&definition.period, definition.speed_place(), self.period) {
-            (Some(_), Some(place), Some(period)) => period * self.values[place].abs(),
+            (Some(_), Some(place), Some(period)) => {
+                period * self.units.time * self.values[place].abs()
+            }
             _ => TAU,
         };
         let turned = std::iter::once(before_rad % repeats_rad).chain(scaled).collect();
         let is_constant = terms.len() == 1;
-        let fastest = fastest_rad_s * second;
+        let fastest = fastest_rad_s * second * self.units.time;
         let period = self.period.map(|_| repeats_rad / fastest);
         let rates = [self.rates[0].max(fastest), self.rates[1]];
         self.with_stage(GivenTerms { turned, given }, rates, period.filter(|_| is_constant))
@@ -318,6 +340,7 @@ impl System for WrittenSystem {
         let numbers = [self.number, self.instance.coordinates.len()].into_iter();
         let counts = self.instance.bodies.counts.iter().map(|(_, count)| *count as usize);
         let units = self.scales.0.map(|exponent| exponent.cast_unsigned() as usize);
+        let units = units.into_iter().chain(self.units.all().map(|unit| unit.to_bits() as usize));
         let form = [self.stage.turned.len(), usize::from(self.period.is_some())].into_iter();
         let form = form.chain(self.stage.given.iter().map(Vec::len));
         let force_units = self.force_units.iter().map(|unit| unit.to_bits() as usize);

@@ -11,7 +11,7 @@ use super::linear::{LinearForm, Linearised};
 use super::numeric::{NamedValues, Scalar};
 
 /// What elimination leaves of a factor that is 0, in units of the motion.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// How a contact's sliding speed is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]

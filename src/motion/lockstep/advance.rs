@@ -88,6 +88,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, perturbed: bool) -> 
     let mut report = StepReport { reporting_lanes: g.reporting_lanes, ..StepReport::default() };
     g.kernel.expand(&mut g.workspace, &g.state, perturbed);
     let within = g.kernel.within_tolerance(&g.workspace, g.tolerance, g.next).min(g.longest);
+    let within = g.kernel.resolved(&g.workspace, within);
     let left = g.until - g.time;
     let mut length = within.min(left);
     let mut failed = [None; LANES];

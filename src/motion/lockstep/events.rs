@@ -13,6 +13,7 @@ use crate::motion::condition::Condition;
 use crate::motion::impact::Impact;
 use crate::motion::joint_decision::check_forces;
 use crate::motion::lockstep::vector::Vector;
+use crate::motion::residual_speeds::VANISHES;
 use crate::motion::saltation::{saltation, saltation_at_impact, saltation_at_reset};
 use crate::motion::stick_slip::start_phases;
 use crate::motion::touching_system::TouchingSystem;
@@ -153,7 +154,8 @@ fn decide<S: Vector, K: Kernel<S>>(
     Ok(None)
 }
 
-/// Makes the sliding speed of a contact zero, by a change of the velocity on which it depends most.
+/// Makes the sliding speed of a contact zero, by a change of the velocity on which it depends most, unless no velocity has an
+/// influence on it in this state.
 fn hold<S: Vector, K: Kernel<S>>(
     kernel: &K,
     (lane, run): (usize, &Lane),
@@ -171,7 +173,7 @@ fn hold<S: Vector, K: Kernel<S>>(
     let Some(component) = kernel.shifted(contact).or_else(largest) else { return };
     let factor = along(component);
     let speed = kernel.with_force_model(lane, run, state, |at| at.speed(contact));
-    if factor != 0.0 {
+    if factor.abs() > VANISHES {
         state[component] -= speed / factor;
     }
 }

@@ -85,6 +85,11 @@ pub(super) trait Kernel<S: Vector>: Sized {
         tolerance: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S>;
+    /// Returns a step of at most this length in which nothing grows from far below the rounding of the series.
+    #[inline(always)]
+    fn resolved(&self, _workspace: &Self::Workspace, length: Lanes<S>) -> Lanes<S> {
+        length
+    }
     /// Returns the lanes in which a condition may fail in a step of this length.
     fn screen_conditions(&self, workspace: &mut Self::Workspace, length: Lanes<S>) -> u64;
     /// Returns the end of a step of one lane; a condition that `ignored` names is not examined.

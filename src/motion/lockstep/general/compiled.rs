@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::compiler::compile;
-use super::operations::Operations;
+use super::operations::{Operations, Slot};
 use super::series::Programs;
 use crate::graph::{Cell, Instruction, Program};
 use crate::model::{Graph, PerStructure, System};
@@ -16,6 +16,11 @@ const MOST_KNOWN: usize = 16;
 #[derive(Debug)]
 pub(super) struct Compiled {
     pub(super) operations: Operations,
+    /// The arguments of exponential functions.
+    pub(super) exponents: Vec<Slot>,
+    /// The velocities and forces that determine the length of a step. Of each group, the largest counts. Forces have one
+    /// coefficient less.
+    pub(super) tolerated: Vec<Vec<Slot>>,
     /// The cells of parameters, and of what depends on parameters alone.
     pub(super) parameters: Vec<Cell>,
     pub(super) programs: Programs<Runner>,
@@ -62,7 +67,16 @@ impl Compiled {
             decision: Runner::new(programs.decision),
             ahead: Runner::new(programs.ahead),
         };
-        Compiled { operations, parameters, programs }
+        let velocities = graph.layout.velocities.iter();
+        let velocities = velocities.map(|group| group.iter().map(|place| *place as Slot).collect());
+        let forces = operations.forces_over_time().into_iter().map(|force| vec![force]);
+        Compiled {
+            exponents: operations.exponents(),
+            tolerated: velocities.chain(forces).collect(),
+            operations,
+            parameters,
+            programs,
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use smallvec::smallvec;
 
 use super::compiled::{Compiled, compiled};
 use super::conditions;
+use super::exponents;
 use super::operations::{ContactCell, GapCell, SIDE_BY_SIDE, Slot};
 use super::program_forces::{DecisionMemory, ProgramForces};
 use super::series::{ConditionBound, Programs};
@@ -147,7 +148,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     fn set_system(&mut self, lane: usize, run: &Lane) {
         let graph = Arc::clone(&self.graph);
         self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&run.system), graph));
-        let Compiled { operations, parameters, programs } = &*self.program;
+        let Compiled { operations, parameters, programs, .. } = &*self.program;
         let modes: Vec<_> = run.phases.iter().map(|phase| phase.mode()).collect();
         let inputs = run.system.inputs(&modes);
         let scratch = self.scratch[lane].get_mut();
@@ -311,10 +312,10 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     ) -> Lanes<S> {
         let zero = Lanes::splat(self.simd, 0.0);
         let (mut last, mut last_but_one) = (zero, zero);
-        for group in &self.graph.layout.velocities {
+        for group in &self.program.tolerated {
             let [mut size, mut ultimate, mut penultimate] = [zero; 3];
-            for &component in group {
-                let terms = workspace.series().of(component as Slot);
+            for &slot in group {
+                let terms = workspace.series().of(slot);
                 size = size.max(terms[0].abs());
                 ultimate = ultimate.max(terms[ORDER].abs());
                 penultimate = penultimate.max(terms[ORDER - 1].abs());
@@ -324,6 +325,15 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
             last_but_one = last_but_one.max(penultimate * scale);
         }
         longest_step([last, last_but_one], before)
+    }
+
+    #[inline(always)]
+    fn resolved(&self, workspace: &Self::Workspace, length: Lanes<S>) -> Lanes<S> {
+        let mut resolved = length;
+        for &exponent in &self.program.exponents {
+            resolved = exponents::resolved(workspace.series().of(exponent), resolved);
+        }
+        resolved
     }
 
     #[inline(always)]

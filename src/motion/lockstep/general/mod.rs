@@ -5,12 +5,13 @@
 //!
 //! Read first `statics` and `operations`, the list of what is computed, then `turning` and `compiler`, which find this
 //! list. `lu_factors`, `radius` and `series` make programs of it, and `compiled` keeps the programs. `workspace` has
-//! the numbers that they compute in a step, `conditions` locates events in them, and `program_forces` decides stick and
-//! slip. `kernel` puts all of them together.
+//! the numbers that they compute in a step, `exponents` shortens a step, `conditions` locates events in it, and
+//! `program_forces` decides stick and slip. `kernel` puts all of them together.
 
 mod compiled;
 mod compiler;
 mod conditions;
+mod exponents;
 mod kernel;
 mod lu_factors;
 mod operations;

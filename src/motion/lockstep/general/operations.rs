@@ -144,6 +144,32 @@ pub(super) enum GapCell {
 }
 
 impl Operations {
+    /// Returns the arguments of all exponential functions.
+    pub(super) fn exponents(&self) -> Vec<Slot> {
+        let of = |operation: &Operation| match operation {
+            Operation::Exponential { a, .. } => Some(*a),
+            _ => None,
+        };
+        let mut exponents: Vec<Slot> = self.all.iter().filter_map(of).collect();
+        exponents.sort_unstable();
+        exponents.dedup();
+        exponents
+    }
+
+    /// Returns the normal and friction forces of all contacts if a component has a constant rate of change, as the time has. While
+    /// all contacts stick, the forces then change, but no velocity does.
+    pub(super) fn forces_over_time(&self) -> Vec<Slot> {
+        let is_clock = |operation: &Operation| match operation {
+            Operation::Linear { out, constant: Some(_), terms } => {
+                terms.is_empty() && self.rates.contains(out)
+            }
+            _ => false,
+        };
+        let has_clock = self.all.iter().any(is_clock);
+        let forces = self.contacts.iter().flat_map(|[_, _, normal, friction]| [*normal, *friction]);
+        forces.filter(|_| has_clock).collect()
+    }
+
     /// Returns the place of a static number.
     pub(super) fn constant(&self, id: StaticId) -> Cell {
         id

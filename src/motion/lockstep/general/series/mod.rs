@@ -90,6 +90,7 @@ impl Operations {
         let moved: Vec<Slot> = components.clone().chain(of_contacts(0)).collect();
         let watched = of_contacts(1).chain(of_contacts(3)).chain(self.guards.iter().copied());
         let watched = moved.iter().copied().chain(watched).chain(self.gaps.iter().copied());
+        let watched = watched.chain(self.exponents()).chain(self.forces_over_time());
         let rates = self.rates.iter().map(|rate| self.coefficient(*rate, 0));
         let in_motion: Vec<Cell> = watched.flat_map(series).chain(rates.clone()).collect();
         let normals: Vec<Cell> = of_contacts(2).flat_map(series).collect();
