@@ -132,7 +132,8 @@ impl ReturnMap<'_> {
         let effort_limit = self.settings.effort_limit.min(left / cost);
         let settings = Settings { effort_limit, ..self.settings };
         let evaluator = &self.view.evaluator;
-        let mut motion = Motion::of_recorded(evaluator, settings, &start, directions).ok()?;
+        let at = (&start[..], &self.section.phases[..]);
+        let mut motion = Motion::of_recorded(evaluator, settings, at, directions).ok()?;
         let end = with(&mut motion, &start);
         let taken = motion.effort().total().saturating_mul(cost);
         self.steps_left.set(left.saturating_sub(taken));

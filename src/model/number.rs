@@ -38,10 +38,15 @@ pub enum Function {
     Logarithm,
 }
 
+/// Exponential functions of larger arguments have the value at this one.
+const LARGEST_EXPONENT: f64 = 300.0;
+
 impl Function {
     /// Returns the value of the function.
     pub fn of(self, number: f64) -> f64 {
         match self {
+            // One over it is then below rounding, and powers of it do not overflow: `tanh 1000` is 1.
+            Function::Exponential if number > LARGEST_EXPONENT => libm::exp(LARGEST_EXPONENT),
             Function::Exponential => libm::exp(number),
             Function::ArcTangent => libm::atan(number),
             Function::Logarithm => libm::log(number),

@@ -76,15 +76,15 @@ impl Motion {
         Ok(Motion::of(&saved, directions, Evaluator::new(Arc::clone(system))))
     }
 
-    /// Starts a motion like [`Motion::with_directions`] of a system whose equations are recorded.
+    /// Starts a motion like [`Motion::with_directions`] of a system whose equations are recorded, with the phases until now.
     pub(crate) fn of_recorded(
         evaluator: &Evaluator,
         settings: Settings,
-        state: &[f64],
+        at: (&[f64], &[Phase]),
         directions: &[Components],
     ) -> Result<Self, Failure> {
         let system = evaluator.system();
-        let saved = SavedRun::start_with(|| evaluator.clone(), system, settings, state)?;
+        let saved = SavedRun::begin(|| evaluator.clone(), system, settings, at)?;
         Ok(Motion::of(&saved, directions, evaluator.clone()))
     }
 

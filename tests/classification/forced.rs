@@ -6,7 +6,7 @@ use stickslip::classification::{CyclePhase, Outcome, simulate};
 use stickslip::model::{Case, Method, Simulation};
 use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
-use super::outputs::{cases, outcomes};
+use super::outputs::cases;
 use super::{METHODS, near};
 
 /// A block of 1 kg with Coulomb friction under a normal force of 1 N, which the force `A cos φ - s` and maybe a spring of 1 N/m
@@ -190,7 +190,11 @@ force: {{x: {force}}}
 period: 2 * pi / w
 contacts: {{damper: {{normal: load, sliding: {sliding}, friction: {{coulomb: {{coefficient: mu}}}}}}}}"
         );
-        for outcome in outcomes(&system, 8, 60.0) {
+        for (mut case, method) in
+            cases(&system, 8, 60.0).into_iter().flat_map(|case| METHODS.map(|m| (case.clone(), m)))
+        {
+            case.simulation.method = method;
+            let outcome = simulate(&case);
             assert_eq!(outcome.evidence.name(), "periodic_rest", "{sliding}: {outcome:?}");
             let margin = outcome.evidence.friction_margin().expect("it sticks");
             assert!((0.0..1.0).contains(&margin), "{outcome:?}");

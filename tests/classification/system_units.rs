@@ -28,7 +28,7 @@ fn in_units(system: &str, [length, mass, time]: [f64; 3]) -> String {
 }
 
 /// Each machine with the number of its runs, their time, and the dimension of its first output.
-const MACHINES: [(&str, &str, f64, &str); 11] = [
+const MACHINES: [(&str, &str, f64, &str); 13] = [
     (
         "a box that falls on two feet and slides",
         "parameters: {m: <2 m1>, g: <9.81 l1 t-2>, b: <0.1 l1>, h: <0.12 l1>, mu: 0.3, e: 0.2}
@@ -151,6 +151,26 @@ mass: {x: {x: m}}
 force: {x: p * cos(theta / 2) - k * x}
 contacts: {ground: {normal: load, sliding: x', friction: {coulomb: {coefficient: mu}}}}",
         30.0,
+        "l",
+    ),
+    (
+        "a pendulum that starts upright and falls on a floor",
+        "parameters: {m: <2 m1>, r: <0.5 l1>, g: <9.81 l1 t-2>, h: <0.1 l1>, e: 0.5, c: <0.05 m1 l2 t-1>}
+coordinates: {phi: {start: 0, start_rate: [<0.2 t-1>, <0.4 t-1>]}}
+mass: {phi: {phi: m * r^2}}
+force: {phi: m * g * r * sin(phi) - c * phi'}
+contacts: {floor: {gap: h + r * cos(phi), restitution: e}}",
+        20.0,
+        "",
+    ),
+    (
+        "a block that starts beside its spring's rest on a belt",
+        "parameters: {m: <1 m1>, k: <100 m1 t-2>, load: <10 m1 l1 t-2>, v: <0.1 l1 t-1>, mu: 0.2, more: 0.3}
+coordinates: {x: {start: [<1e-9 l1>, <2e-9 l1>]}}
+mass: {x: {x: m}}
+force: {x: -k * x}
+contacts: {belt: {normal: load, sliding: x' - v, friction: {stribeck: {coefficient: mu, static_coefficient: more, stribeck_speed: 0}}}}",
+        20.0,
         "l",
     ),
 ];

@@ -60,17 +60,7 @@ impl ExaminedSystem {
         let moving = instance.rates(&speed_of, numeric)?;
         let integrals = instance.choose_positions(&speed_of, numeric)?;
         let chosen = (&moving, &speed_of[..], &integrals[..]);
-        let aside = |part: f64| {
-            let each = sizes.middle.iter().zip(&sizes.reach);
-            let moved = |(middle, reach): (&[f64; 2], &[f64; 2])| {
-                [0, 1].map(|which| {
-                    middle[which] + part * if reach[which] > 0.0 { reach[which] } else { 1.0 }
-                })
-            };
-            each.map(moved).collect::<Vec<_>>()
-        };
-        let states = [sizes.middle.clone(), aside(0.29), aside(-0.37)];
-        let units = StateUnits::new((&instance, values, &sizes), chosen, &states)?;
+        let units = StateUnits::new((&instance, values, &sizes), chosen)?;
         let unit_of_speed = |number: usize| {
             let unit = scales.unit(instance.speed_dimension(number).map_err(|(_, fault)| fault)?);
             let unit = unit * units.contacts[number];
@@ -84,7 +74,7 @@ impl ExaminedSystem {
             instance.dimension(&output.formula, bodies)
         });
         let outputs = outputs.collect::<Result<Vec<_>, _>>()?;
-        let Sizes { middle, is_finite, without_energy, rates, .. } = sizes;
+        let Sizes { middle, reach, is_finite, without_energy, rates, .. } = sizes;
         let second = scales.unit([0, 0, WHOLE]) * units.time;
         let (mut friction, mut impacts, mut sound) = (Vec::new(), Vec::new(), Ok(()));
         let (largest_force, force_units) =
@@ -121,6 +111,16 @@ impl ExaminedSystem {
         if let Some(period) = period.filter(|period| !(period.is_finite() && *period > 0.0)) {
             sound = Err(invalid("period", &period.to_string(), "a positive, finite time"));
         }
+        let aside = |part: f64| {
+            let each = middle.iter().zip(&reach);
+            let moved = |(middle, reach): (&[f64; 2], &[f64; 2])| {
+                [0, 1].map(|which| {
+                    middle[which] + part * if reach[which] > 0.0 { reach[which] } else { 1.0 }
+                })
+            };
+            each.map(moved).collect::<Vec<_>>()
+        };
+        let states = [middle.clone(), aside(0.29), aside(-0.37)];
         if let (Some(period), true) = (period, sound.is_ok())
             && !instance.repeats(values, &states, (period, None))?
         {

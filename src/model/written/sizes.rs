@@ -24,7 +24,7 @@ pub(super) struct Sizes {
     pub scales: Scales,
     /// The rate at which it moves, 1/s.
     pub rate: f64,
-    /// How far each coordinate moves; 0 if nothing says so.
+    /// How far each coordinate moves about the middle; 0 if nothing says so.
     pub amplitudes: Vec<f64>,
 }
 
@@ -73,10 +73,16 @@ impl Instance<'_> {
         let largest = |of: &dyn Fn(usize) -> f64| {
             (0..n).map(of).filter(|value| value.is_finite()).fold(0.0, f64::max)
         };
+        // A start value that is not 0 says nothing about how far a coordinate moves; those of systems with units count nevertheless.
+        let size = |i: usize| match definition.has_units() {
+            true => reach[i][0],
+            false => 0.5 * (ranges[i][0][1] - ranges[i][0][0]).abs(),
+        };
         let rate = [
             frequency,
-            largest(&|i| reach[i][1] / reach[i][0]),
-            largest(&|i| (acceleration[i].abs() / reach[i][0]).sqrt()),
+            if definition.has_units() { 0.0 } else { turning },
+            largest(&|i| reach[i][1] / size(i)),
+            largest(&|i| (acceleration[i].abs() / size(i)).sqrt()),
             largest(&|i| acceleration[i].abs() / reach[i][1]),
             damping,
             1.0,
@@ -85,9 +91,8 @@ impl Instance<'_> {
         let is_length = |i: &usize| {
             definition.coordinates[instance.coordinates[*i].of].unit.dimension == [0, WHOLE, 0]
         };
-        let amplitude = |i: usize| {
-            reach[i][0].max(reach[i][1] / rate).max(acceleration[i].abs() / (rate * rate))
-        };
+        let amplitude =
+            |i: usize| size(i).max(reach[i][1] / rate).max(acceleration[i].abs() / (rate * rate));
         let amplitudes: Vec<f64> = (0..n).map(amplitude).collect();
         let lengths = (0..n).filter(is_length).map(|i| amplitudes[i]);
         let length = lengths.filter(|value| value.is_finite()).fold(0.0, f64::max);

@@ -34,13 +34,12 @@ pub(super) struct StateUnits {
 
 impl StateUnits {
     /// Returns the units of a system from its sizes. `moving` has the rates of change as functions of the velocities that `speeds`
-    /// choose, and `integrals` those whose integrals are positions. `states` are some states in the start ranges.
+    /// choose, and `integrals` those whose integrals are positions.
     ///
     /// Small start ranges alone are no reason for other units: a motion may also begin near an equilibrium.
     pub fn new(
         (instance, values, sizes): (&Instance<'_>, &[f64], &Sizes),
         (moving, speeds, integrals): (&Rates<f64>, &[SpeedOf], &[SpeedOf]),
-        states: &[Vec<[f64; 2]>],
     ) -> Valued<Self> {
         let n = instance.coordinates.len();
         let same = StateUnits {
@@ -64,18 +63,21 @@ impl StateUnits {
         }
         let near = |size: f64| Scales::near([1.0, size, 1.0]).unit([0, WHOLE, 0]);
         let parameters = instance.parameters(values, Scales::default(), 0.0);
-        let at: Vec<_> =
-            states.iter().map(|state| instance.named(|number| state[number])).collect();
-        let numeric = |state: usize| NamedValues {
+        let names = |lengths: &[f64], part: f64| {
+            instance.named(|number| {
+                let [position, rate] = sizes.middle[number];
+                [position + part * lengths[number], rate]
+            })
+        };
+        let numeric = NamedValues {
             scales: Scales::default(),
             parameters: &parameters,
-            coordinates: &at[state],
+            coordinates: &names(&sizes.amplitudes, 0.0),
             time: 0.0,
         };
         let mut amplitudes = sizes.amplitudes.clone();
         for contact in 0..speeds.len() {
-            let known = (sizes.rate, &inertia[..]);
-            instance.drag_along(contact, numeric(0), known, &mut amplitudes)?;
+            instance.drag_along(contact, numeric, (sizes.rate, &inertia), &mut amplitudes)?;
         }
         let lengths = lengths(&amplitudes, &inertia);
         let time = near(1.0 / sizes.rate);
@@ -90,9 +92,11 @@ impl StateUnits {
         };
         for (number, speed) in speeds.iter().enumerate() {
             // A factor may vanish in one state.
-            let reaches = (0..states.len())
-                .map(|state| instance.reach_of_contact(number, &lengths, numeric(state)))
-                .collect::<Result<Vec<_>, _>>()?;
+            let reaches = [0.0, 0.29, -0.37, 1.0, -1.0].map(|part| {
+                let values = NamedValues { coordinates: &names(&lengths, part), ..numeric };
+                instance.reach_of_contact(number, &lengths, values)
+            });
+            let reaches = reaches.into_iter().collect::<Result<Vec<_>, _>>()?;
             let reach = near(largest(&reaches));
             match speed {
                 SpeedOf::Velocity(place) => units.velocities[*place] = reach / time,
@@ -225,7 +229,8 @@ impl Instance<'_> {
         Ok(())
     }
 
-    /// Returns how far a contact slides, or opens if it has no friction, while its coordinates move by these lengths.
+    /// Returns how far a contact slides, or opens if it has no friction, while its coordinates move by these lengths. A gap opens at
+    /// least by its width.
     fn reach_of_contact(
         &self,
         contact: usize,
@@ -237,6 +242,8 @@ impl Instance<'_> {
         }
         let (contact, mut bodies) = self.contact(contact);
         let mut reach = 0.0;
+        let width =
+            bodies.evaluate(contact.normal.entry().1, &mut NamedValues { ..numeric })?.abs();
         for (number, length) in lengths.iter().enumerate() {
             let step = 1e-4 * length;
             let mut beside = |step: f64| {
@@ -247,6 +254,6 @@ impl Instance<'_> {
             };
             reach += (beside(step)? - beside(-step)?).abs() * length / (2.0 * step);
         }
-        Ok(reach)
+        Ok(width.max(reach))
     }
 }

@@ -37,21 +37,12 @@ impl SavedRun {
         settings: Settings,
         state: &[f64],
     ) -> Result<Self, Failure> {
-        SavedRun::start_with(|| Evaluator::new(Arc::clone(system)), system, settings, state)
-    }
-
-    /// Creates a run at its start like [`SavedRun::start`], with known recorded equations.
-    pub(crate) fn start_with(
-        evaluator: impl FnOnce() -> Evaluator,
-        system: &Arc<dyn System>,
-        settings: Settings,
-        state: &[f64],
-    ) -> Result<Self, Failure> {
+        let evaluator = || Evaluator::new(Arc::clone(system));
         SavedRun::begin(evaluator, system, settings, (state, &[]))
     }
 
-    /// Creates a run in a state, with the phases until now, if there are some.
-    fn begin(
+    /// Creates a run in a state, with the phases until now, if there are some, and with recorded equations.
+    pub(crate) fn begin(
         evaluator: impl FnOnce() -> Evaluator,
         system: &Arc<dyn System>,
         settings: Settings,
