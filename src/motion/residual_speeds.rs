@@ -14,9 +14,9 @@ pub(crate) const STILL: f64 = 1e-12;
 /// A sliding speed that depends on the velocities with a factor below this vanishes with the factor, as that of a crank at its dead
 /// centre: no friction stops the velocities there.
 pub(super) const VANISHES: f64 = 1e-6;
-/// The number of times that all speeds at rest are removed in turn, at most.
-const MOST_SWEEPS: usize = 200;
-/// What is left of speeds at rest, non-dimensional, when they are no longer removed.
+/// The least and the largest number of times that all speeds at rest are removed in turn.
+const SWEEPS: (usize, usize) = (20, 200);
+/// What is left of speeds at rest, non-dimensional, when they are no longer removed after the least number of times.
 const LEFT: f64 = 1e-15;
 
 /// Returns whether bodies that may separate touch, and do not move apart.
@@ -87,7 +87,7 @@ impl TouchingSystem<'_> {
             touching.iter().map(|opening| ImpactPlace::Opening(*opening)).collect();
         let responses = self.evaluator.responses(&state[..], &places);
         let mut speeds = self.evaluator.openings(|place| state[place]);
-        for _ in 0..MOST_SWEEPS {
+        for sweep in 1..=SWEEPS.1 {
             let mut largest: f64 = 0.0;
             for (opening, response) in touching.iter().zip(responses.chunks(2)) {
                 let contact = self.openings[*opening].contact;
@@ -116,7 +116,7 @@ impl TouchingSystem<'_> {
                     self.stop(contact, state);
                 }
             }
-            if largest <= LEFT {
+            if sweep >= SWEEPS.0 && largest <= LEFT {
                 break;
             }
         }

@@ -287,7 +287,6 @@ impl Instance<'_> {
         let (mass, mut forces) = self.mass_and_forces(&mut numeric)?;
         let mut inertia = moving.between(&mass);
         state_units.convert_inertia(&mut inertia);
-        forces = moving.across(&forces);
         state_units.convert_forces(&mut forces);
         let mut units = Vec::with_capacity(speeds.len());
         for (number, speed) in speeds.iter().enumerate() {

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, Schur};
 
 use super::formula::{Valued, WHOLE};
-use super::in_state::smallest_pivot;
 use super::instance::Instance;
 use super::numeric::{NamedValues, Scales};
+use super::smallest_pivot::smallest_pivot;
 
 /// The sizes of a system with values of its parameters, in SI units.
 pub(super) struct Sizes {
@@ -24,6 +24,8 @@ pub(super) struct Sizes {
     pub scales: Scales,
     /// The rate at which it moves, 1/s.
     pub rate: f64,
+    /// The acceleration of each coordinate in the middle, without contacts.
+    pub accelerations: Vec<f64>,
     /// How far each coordinate moves about the middle; 0 if nothing says so.
     pub amplitudes: Vec<f64>,
 }
@@ -78,8 +80,11 @@ impl Instance<'_> {
             true => reach[i][0],
             false => 0.5 * (ranges[i][0][1] - ranges[i][0][0]).abs(),
         };
+        // Differences leave a stiffness of this size where there is none.
+        let noise = 1e-9 * largest(&|i| acceleration[i].abs() / reach[i][0]);
+        let oscillates = definition.has_units() || frequency * frequency > noise;
         let rate = [
-            frequency,
+            if oscillates { frequency } else { 0.0 },
             if definition.has_units() { 0.0 } else { turning },
             largest(&|i| reach[i][1] / size(i)),
             largest(&|i| (acceleration[i].abs() / size(i)).sqrt()),
@@ -119,6 +124,7 @@ impl Instance<'_> {
             rates: [frequency.max(0.5 * turning), damping],
             scales,
             rate,
+            accelerations: acceleration,
             amplitudes,
         })
     }

@@ -57,7 +57,10 @@ impl StateUnits {
         let largest =
             |all: &[f64]| all.iter().copied().filter(|size| size.is_finite()).fold(0.0, f64::max);
         let is_far = |size: f64| size > FAR_FROM_ONE || size > 0.0 && size < 1.0 / FAR_FROM_ONE;
-        let is_large = largest(&sizes.amplitudes) > FAR_FROM_ONE;
+        let starts = largest(sizes.reach.as_flattened());
+        let accelerations =
+            largest(&sizes.accelerations.iter().map(|of| of.abs()).collect::<Vec<_>>());
+        let is_large = starts > FAR_FROM_ONE || accelerations > FAR_FROM_ONE * FAR_FROM_ONE;
         if !(is_large || is_far(sizes.rate) || is_far(largest(&inertia))) {
             return Ok(same);
         }

@@ -69,7 +69,7 @@ impl Compiled {
         };
         let velocities = graph.layout.velocities.iter();
         let velocities = velocities.map(|group| group.iter().map(|place| *place as Slot).collect());
-        let forces = operations.forces_over_time().into_iter().map(|force| vec![force]);
+        let forces = std::iter::once(operations.forces_over_time());
         Compiled {
             exponents: operations.exponents(),
             tolerated: velocities.chain(forces).collect(),
