@@ -20,6 +20,8 @@ use super::velocities::{ROUNDING, Rates, SpeedOf};
 
 /// Numbers between 1 / 16 and 16 are left as they are: tolerances are relative to 1.
 const FAR_FROM_ONE: f64 = 16.0;
+/// Accelerations above this are no motion that any units would help.
+const IMPLAUSIBLE: f64 = 1e15;
 
 /// The units of the state over those of the formulas. All are 1 for a system with units.
 #[derive(Clone, Debug)]
@@ -61,7 +63,8 @@ impl StateUnits {
         let accelerations =
             largest(&sizes.accelerations.iter().map(|of| of.abs()).collect::<Vec<_>>());
         let is_large = starts > FAR_FROM_ONE || accelerations > FAR_FROM_ONE * FAR_FROM_ONE;
-        if !(is_large || is_far(sizes.rate) || is_far(largest(&inertia))) {
+        let is_implausible = accelerations > IMPLAUSIBLE;
+        if is_implausible || !(is_large || is_far(sizes.rate) || is_far(largest(&inertia))) {
             return Ok(same);
         }
         let near = |size: f64| Scales::near([1.0, size, 1.0]).unit([0, WHOLE, 0]);
