@@ -75,7 +75,7 @@ impl Instance<'_> {
         let largest = |of: &dyn Fn(usize) -> f64| {
             (0..n).map(of).filter(|value| value.is_finite()).fold(0.0, f64::max)
         };
-        // A start value that is not 0 says nothing about how far a coordinate moves; those of systems with units count nevertheless.
+        // How far a coordinate moves. Without units, a start value other than 0 does not tell: it may be any small number.
         let size = |i: usize| match definition.has_units() {
             true => reach[i][0],
             false => 0.5 * (ranges[i][0][1] - ranges[i][0][0]).abs(),

@@ -20,7 +20,7 @@ use super::velocities::{ROUNDING, Rates, SpeedOf};
 
 /// Numbers between 1 / 16 and 16 are left as they are: tolerances are relative to 1.
 const FAR_FROM_ONE: f64 = 16.0;
-/// Accelerations above this are no motion that any units would help.
+/// With an acceleration above this, a system keeps the units of its numbers: the value is a mistake, and its run fails soon.
 const IMPLAUSIBLE: f64 = 1e15;
 
 /// The units of the state over those of the formulas. All are 1 for a system with units.
@@ -132,12 +132,12 @@ impl StateUnits {
 
     /// Returns positions in units of the formulas.
     pub fn positions_of<T: Scalar>(&self, positions: &[T]) -> Vec<T> {
-        times(positions, self.positions.iter().copied())
+        times(positions, &self.positions)
     }
 
     /// Returns velocities in units of the formulas.
     pub fn velocities_of<T: Scalar>(&self, velocities: &[T]) -> Vec<T> {
-        times(velocities, self.velocities.iter().copied())
+        times(velocities, &self.velocities)
     }
 
     /// Converts coordinates and their rates of change to units of the state.
@@ -205,8 +205,8 @@ fn lengths(amplitudes: &[f64], inertia: &[f64]) -> Vec<f64> {
 }
 
 /// Returns each value times its unit.
-fn times<T: Scalar>(values: &[T], units: impl Iterator<Item = f64>) -> Vec<T> {
-    values.iter().zip(units).map(|(value, unit)| value.in_unit(unit)).collect()
+fn times<T: Scalar>(values: &[T], units: &[f64]) -> Vec<T> {
+    values.iter().zip(units).map(|(value, unit)| value.in_unit(*unit)).collect()
 }
 
 impl Instance<'_> {
