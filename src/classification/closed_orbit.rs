@@ -5,6 +5,8 @@
 //! *Practical Bifurcation and Stability Analysis*, 3rd ed., Springer 2010, chapter 7,
 //! doi:10.1007/978-1-4419-1740-9).
 
+use std::f64::consts::TAU;
+
 use nalgebra::{DMatrix, DVector, Schur};
 
 use super::cycle::{CyclePhase, TouchingPair};
@@ -41,6 +43,11 @@ const NEARER: (f64, f64) = (0.1, 0.8);
 const COARSER: f64 = 100.0;
 /// The least number of returns in each half of those in which a run has approached an orbit.
 const LEAST_APPROACHED: usize = 4;
+/// The least size of a closed orbit over the distance from the orbit that closes exactly. A motion that swings about an equilibrium
+/// closes nearly, too.
+const LEAST_SIZE: f64 = 10.0;
+/// The largest part of its way that a contact may be displaced in a period of a closed orbit.
+const DISPLACED: f64 = 0.5;
 /// Distance from the unit circle below which a multiplier does not decide the stability, because
 /// the orbit closes only to within the tolerances.
 const MULTIPLIER_DOUBT: f64 = 1e-4;
@@ -98,6 +105,8 @@ struct Closed<'a> {
     map: ReturnMap<'a>,
     state: Components,
     slope: DMatrix<f64>,
+    /// The distance from the orbit that closes exactly, by the closing error and the slope.
+    error: f64,
 }
 
 /// Phases and state of a run at a passage through the section.
@@ -114,6 +123,9 @@ pub(super) fn examine(map: ReturnMap, passed: &[PassageState], closure: f64) -> 
     let multipliers = moduli(closed.slope.clone())?;
     let (end, period) = closed.map.follow_closely(&closed.state)?;
     let orbit = orbit(&closed, &end, period, multipliers);
+    if is_point(&closed, &orbit, closure) || moves_one_way(&closed, &orbit) {
+        return None;
+    }
     let largest = orbit.multipliers.first().copied().unwrap_or(0.0);
     if largest > 1.0 + MULTIPLIER_DOUBT {
         return Some(Verdict::Unstable(orbit));
@@ -132,6 +144,30 @@ fn is_equilibrium(closed: &Closed) -> bool {
     let ReturnMap { section, view, .. } = closed.map;
     let rates = view.evaluator.rates(&section.phases, &closed.state);
     rates.iter().all(|rate| rate.abs() <= SHRUNK)
+}
+
+/// Returns whether an orbit is so small that it may be an equilibrium that the run approaches: its size is that of the distance from
+/// the orbit that closes exactly.
+fn is_point(closed: &Closed, orbit: &Orbit, closure: f64) -> bool {
+    let ReturnMap { section, view, turns, .. } = closed.map;
+    let forcing = view.evaluator.graph().layout.forcing.map(|forcing| forcing.component);
+    let rates = view.evaluator.rates(&section.phases, &closed.state);
+    let rates = rates.iter().enumerate().filter(|(place, _)| Some(*place) != forcing);
+    let largest = rates.fold(0.0, |largest: f64, (_, rate)| largest.max(rate.abs()));
+    let is_located = forcing.is_some() && closed.error <= closure;
+    let turn = orbit.period / turns as f64;
+    !is_located && largest * turn / TAU < LEAST_SIZE * closed.error
+}
+
+/// Returns whether a contact, whose position matters, only ever moves in one direction: it creeps, however little.
+fn moves_one_way(closed: &Closed, orbit: &Orbit) -> bool {
+    let ReturnMap { section, view, .. } = closed.map;
+    view.contacts.iter().enumerate().any(|(index, contact)| {
+        let [low, high] = orbit.position_extremes[index];
+        let displaced = orbit.speed[index] * orbit.period - f64::from(orbit.turns[index]) * TAU;
+        let counts = !contact.ignorable && !section.rests[index] && orbit.turns[index] == 0;
+        counts && high > low && displaced.abs() > DISPLACED * (high - low)
+    })
 }
 
 /// Finds a fixed point of the return map by Newton's method. The derivative is reused while the
@@ -161,9 +197,18 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
         let size = residual.amax();
         // Iterates below the required accuracy as long as the error decreases.
         let at_best = AT_BEST * map.settings.tolerance.relative;
-        if size <= at_best || (last <= closure && size > 0.25 * last) {
-            let slope = known_or_followed(slope)?;
-            return Some(Closed { map, state: start, slope });
+        let stalls = last <= closure && size > 0.25 * last;
+        let mut slope = slope;
+        if size <= at_best || stalls {
+            let known = known_or_followed(slope)?;
+            let identity = DMatrix::identity(centre.len(), centre.len());
+            let step = (identity - &known).lu().solve(&residual);
+            let error = step.map_or(f64::INFINITY, |step| step.amax());
+            if error <= closure || stalls {
+                return Some(Closed { map, state: start, slope: known, error });
+            }
+            // Where neighbours approach slowly, an orbit far away closes nearly.
+            (slope, newton) = (Some(known), None);
         }
         let matrix = match newton.take().filter(|_| size <= 0.25 * last) {
             Some((matrix, step)) => matrix - &residual * step.transpose() / step.norm_squared(),
@@ -263,13 +308,13 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         .clone()
         .map(|(index, contact)| match section.mark {
             SectionMark::Round { contact, direction, may_stop: false } if contact == index => {
-                direction * turns as f64 * std::f64::consts::TAU
+                direction * turns as f64 * TAU
             }
             _ => end.state[contact.position] - closed.state[contact.position],
         })
         .collect();
     let whole = |(index, contact): (usize, &ContactPlace)| {
-        let turns = if contact.angular { turned[index] / std::f64::consts::TAU } else { 0.0 };
+        let turns = if contact.angular { turned[index] / TAU } else { 0.0 };
         turns.round() as i32
     };
     let is_forced = matches!(section.mark, SectionMark::Period(_));

@@ -40,10 +40,10 @@ pub fn found_endings(model: &Model) -> FoundEndings {
     FoundEndings { cycles, rests }
 }
 
-/// Returns whether periods of a forcing, or turning points of several bodies or of one body with several contacts, can mark cycles.
+/// Returns whether periods of a forcing, angles, or turning points of several bodies or of one body with several contacts, can mark cycles.
 fn has_orbits(view: &SystemView) -> bool {
     match marks(view).first() {
-        Some(SectionMark::Period(_)) => true,
+        Some(SectionMark::Angle { .. } | SectionMark::Period(_)) => true,
         Some(_) => view.dimension() > 2 || view.contacts.len() > 1 && !BreakAwayWatch::suits(view),
         None => false,
     }

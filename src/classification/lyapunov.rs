@@ -29,7 +29,7 @@
 use super::lane_step::LaneStep;
 use super::outcome::LyapunovExponent;
 use super::system_view::SystemView;
-use crate::model::Components;
+use crate::model::{Components, Node};
 
 /// The part of the time at the end of a run over which separation is measured.
 pub(super) const SEPARATION_WINDOW: f64 = 0.75;
@@ -213,11 +213,25 @@ impl Separation {
 /// Returns the initial perturbation, of size 1. All contacts are perturbed equally: exchanging two of
 /// them exchanges only the perturbations. Balls that are exactly side by side stay so; the instability
 /// of their orbit shows in the multipliers. (Perturbed speeds would separate contacts in proportion to
-/// time for a long period.)
+/// time for a long period.) The table of a balancer follows its balls; in any other system, coordinates without
+/// contact are perturbed, too.
 pub(super) fn perturbation(view: &SystemView) -> Components {
+    let graph = view.evaluator.graph();
+    let moving = graph.depending_on(|node| matches!(node, Node::State(_) | Node::Discrete(_)));
+    // The time is no part of the motion.
+    let is_time = |place: usize| !moving.contains(&graph.derivative[place]);
+    let is_velocity =
+        |place: usize| graph.layout.velocities.iter().flatten().any(|of| *of == place);
+    let free = view
+        .free
+        .iter()
+        .copied()
+        .filter(|place| view.vibration.is_none() && !is_time(*place) && !is_velocity(*place));
+    let contacts = view.contacts.iter().map(|contact| contact.position);
+    let positions: Vec<_> = contacts.chain(free).collect();
     let mut perturbed = Components::from_elem(0.0, view.dimension());
-    for contact in &view.contacts {
-        perturbed[contact.position] = 1.0 / (view.contacts.len() as f64).sqrt();
+    for place in &positions {
+        perturbed[*place] = 1.0 / (positions.len() as f64).sqrt();
     }
     perturbed
 }
@@ -236,15 +250,17 @@ pub(super) fn size(view: &SystemView, perturbation: &[f64]) -> f64 {
     .sqrt()
 }
 
-/// Returns the size of the velocity, and the number of turns of balls, in both directions, and switches since the start of a run,
-/// in the mean over the contacts.
+/// Returns the size of the velocity, and the number of turns of balls, in both directions, switches, and impacts of contacts that open
+/// since the start of a run, in the mean over the contacts.
 pub(super) fn progress(step: &LaneStep) -> RunProgress {
     let LaneStep { group, lane, view } = *step;
     let (state, turns) = (group.state(lane), group.turns(lane));
     let balls = view.contacts.iter().zip(&turns).filter(|(contact, _)| contact.angular);
     let turned = balls
         .map(|(contact, turns)| (turns + state[contact.position] / std::f64::consts::TAU).abs());
-    let turns_and_switches = turned.sum::<f64>() + step.effort().switches as f64;
+    let opens = !view.evaluator.graph().openings.is_empty();
+    let impacts = if opens { group.impacts(lane) } else { 0 };
+    let turns_and_switches = turned.sum::<f64>() + (step.effort().switches + impacts) as f64;
     let velocities = view.evaluator.graph().layout.velocities.iter().flatten();
     let speed = velocities.map(|index| state[*index] * state[*index]).sum::<f64>().sqrt();
     RunProgress { turns_and_switches: turns_and_switches / view.contacts.len() as f64, speed }

@@ -23,7 +23,7 @@ use super::lane_step::LaneStep;
 use super::passages::{Passage, Passages};
 use super::periodic_creep::{Creep, creep};
 use super::return_map::ReturnMap;
-use super::section::{RESOLVED, Section, SectionMark, marks, next_period};
+use super::section::{RESOLVED, Section, SectionMark, marks};
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::system_view::SystemView;
 use crate::model::Components;
@@ -44,7 +44,7 @@ const CLOSED: f64 = 1.01e-6;
 pub(super) struct OrbitWatch {
     view: Arc<SystemView>,
     closure: f64,
-    /// What marks the section if no contact goes round, each with its passages: periods of the forcing, or turning points.
+    /// What marks the section if no contact goes round, each with its passages: periods of the forcing, angles, or turning points.
     marked: Vec<(SectionMark, Passages)>,
     /// The passages of a contact that goes round without stopping.
     unbroken: Passages,
@@ -97,7 +97,7 @@ impl OrbitWatch {
             SectionMark::Round { contact, direction, .. } => {
                 !phases[contact].in_band() && direction * speed(contact) > 0.0
             }
-            SectionMark::TurningPoint { .. } | SectionMark::Period(_) => true,
+            _ => true,
         };
         let round = |contact: usize| {
             let direction = speed(contact).signum();
@@ -251,15 +251,11 @@ impl OrbitWatch {
     }
 }
 
-/// Returns time and state of the passage of a mark in the latest step: the beginning of a period, or a turning point.
+/// Returns time and state of the passage of a mark in the latest step: the beginning of a period, an angle, or a turning point.
 fn passage_of(mark: SectionMark, step: &LaneStep) -> Option<(f64, Components)> {
     let (component, value) = mark.component(step.view);
     let begun = step.component_at_start(component);
-    let (target, from_above) = match mark {
-        SectionMark::Period(forcing) => (next_period(forcing, begun), false),
-        SectionMark::TurningPoint { falls, .. } => (value, falls),
-        SectionMark::Round { .. } => return None,
-    };
+    let (target, from_above) = mark.next(step.view, begun);
     if (begun > target) != from_above {
         return None;
     }

@@ -33,7 +33,7 @@ const FAR: f64 = MOST_TURNS as f64 * NEAR_AT_END;
 fn most_turns(mark: SectionMark) -> usize {
     match mark {
         SectionMark::Round { .. } => MOST_ROUNDS,
-        SectionMark::TurningPoint { .. } | SectionMark::Period(_) => MOST_TURNS,
+        _ => MOST_TURNS,
     }
 }
 
@@ -174,11 +174,7 @@ impl Passages {
         let mut closing = (1..=MOST_TURNS).filter(has_phases);
         let turns = match self.mark? {
             SectionMark::Round { may_stop: true, .. } => closing.find(nearly),
-            SectionMark::Round { .. }
-            | SectionMark::TurningPoint { .. }
-            | SectionMark::Period(_) => {
-                closing.min_by(|left, right| rank(left).total_cmp(&rank(right))).filter(nearly)
-            }
+            _ => closing.min_by(|left, right| rank(left).total_cmp(&rank(right))).filter(nearly),
         }?;
         Some((turns, rank(&turns)))
     }
@@ -202,9 +198,12 @@ impl Passages {
 /// count.
 fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
     let (marking, _) = mark.component(view);
+    let smooth = |place: usize, is_angle: bool| {
+        let value = passage.state[place];
+        if is_angle { libm::sin(value + 1.0) } else { value }
+    };
     let of_contact = |(contact, phase): (&ContactPlace, &Phase)| {
-        let position = passage.state[contact.position];
-        let position = if contact.angular { libm::sin(position + 1.0) } else { position };
+        let position = smooth(contact.position, contact.angular);
         let counts = contact.position != marking && !contact.ignorable;
         let speed = contact.speed.filter(|speed| *speed != marking && *phase != Phase::Stick);
         [if counts { position } else { 0.0 }, speed.map_or(0.0, |speed| passage.state[speed])]
@@ -212,7 +211,8 @@ fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
     let contacts = view.contacts.iter().zip(&passage.phases).flat_map(of_contact);
     let free = view.free.iter().filter(|place| **place != marking);
     // Different weights, so that no symmetry cancels.
-    let weighted = contacts.chain(free.map(|place| passage.state[*place])).zip(1..);
+    let weighted =
+        contacts.chain(free.map(|place| smooth(*place, view.angles.contains(place)))).zip(1..);
     weighted.map(|(value, weight)| (1.0 + 0.29 * f64::from(weight)) * value).sum()
 }
 
@@ -238,5 +238,7 @@ fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: SectionMark) ->
         }
     }
     let free = view.free.iter().filter(|place| **place != marking);
-    free.fold(largest, |largest, place| largest.max(change(*place).abs()))
+    free.fold(largest, |largest, place| {
+        largest.max(view.change_of_free(*place, change(*place)).abs())
+    })
 }

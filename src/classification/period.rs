@@ -130,6 +130,9 @@ impl Period {
         let returned = step.end.map(|(time, state)| (time, Components::from_slice(state)));
         let (time, state) = returned.unwrap_or_else(at_end);
         let length = time - self.time;
+        // An impact at the step's end changes the speeds.
+        let before_events = (step.end.is_none()).then(|| motion.within_last_step(time)).flatten();
+        let before_events = before_events.unwrap_or_else(|| state.clone());
         for (stuck, phase) in self.stuck.iter_mut().zip(during) {
             *stuck += if *phase == Phase::Stick { length } else { 0.0 };
         }
@@ -151,7 +154,7 @@ impl Period {
                     falls(1.0).or_else(|| falls(-1.0)).map(|(_, state)| state)
                 }
             };
-            for state in fastest.iter().chain([&state]) {
+            for state in fastest.iter().chain([&before_events, &state]) {
                 widen(&mut self.speeds[index], speed(state));
             }
             // It turns back where it stops, usually at a switch at the step's end.
@@ -185,7 +188,7 @@ impl Period {
         if view.has_outputs {
             let outputs = |inside: f64| {
                 let inside = (inside < time).then(|| motion.within_last_step(inside)).flatten();
-                let mut state = inside.unwrap_or_else(|| state.clone());
+                let mut state = inside.unwrap_or_else(|| before_events.clone());
                 view.turn(&mut state, &step.whole_turns);
                 view.system().outputs(&state)
             };

@@ -163,7 +163,7 @@ impl ReturnMap<'_> {
             motion.advance(until).ok()?;
             // A motion that starts on the section to rounding may pass through it at once.
             let later = since + AT_ONCE * self.longest;
-            let passage = self.section.passage(motion).filter(|(time, _)| *time > later);
+            let passage = self.section.passage(self.view, motion).filter(|(time, _)| *time > later);
             passed += usize::from(passage.is_some());
             let Some((time, mut state)) = passage.filter(|_| passed == self.turns) else {
                 watch(&mut FollowedStep { motion, whole_turns, end: None });

@@ -1,14 +1,16 @@
 //! The section that a contact marks, with coordinates on it.
 //!
-//! The beginning of a period of the forcing marks it, if the system is forced. Otherwise, a running ball marks it by its passages
-//! through the angle 0. Without a ring, a contact on a moving support marks it where its position is at a maximum, or else
-//! each coordinate where it turns back.
+//! The beginning of a period of the forcing marks it, if the system is forced. Otherwise, a ball that runs in a ring marks it by its
+//! passages through the angle 0. Other angles, such as that of a motor, mark it by their passages through 1 rad, a contact on a moving
+//! support where its position is at a maximum, and each coordinate where it turns back.
 //!
 //! The coordinates are the free components (position and velocity of the table) and the variables
 //! of the contacts that vary: not the component that marks the section, the speed of a
 //! contact that sticks there, or the position of a contact that rests throughout. Such a contact may
 //! rest anywhere in an interval; each such position is a neutral direction of a continuous family of
 //! cycles, with a multiplier of exactly 1. Contacts that touch move together, and count once.
+
+use std::f64::consts::TAU;
 
 use nalgebra::DVector;
 use smallvec::{SmallVec, smallvec};
@@ -21,6 +23,9 @@ use crate::motion::{Direction, Motion, Phase, Phases};
 /// bodies touch or stick, their relative speeds are zero to rounding.
 pub(super) const RESOLVED: f64 = 1e-9;
 
+/// The angle that marks a section, rad: no particular one, at which the sliding speed of a mechanism might vanish.
+const MARKED_ANGLE: f64 = 1.0;
+
 /// What marks a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum SectionMark {
@@ -29,6 +34,8 @@ pub(super) enum SectionMark {
     /// A position, of this contact if it is one, turns back where this component of the state, its velocity or sliding speed,
     /// falls, or else rises, through this value.
     TurningPoint { contact: Option<usize>, component: usize, value: f64, falls: bool },
+    /// This component, an angle, grows, or else falls, through [`MARKED_ANGLE`], modulo one turn.
+    Angle { component: usize, grows: bool },
     /// A period of the forcing begins.
     Period(ForcingLayout),
 }
@@ -39,7 +46,7 @@ impl SectionMark {
         match self {
             SectionMark::Round { contact, .. } => Some(contact),
             SectionMark::TurningPoint { contact, .. } => contact,
-            SectionMark::Period(_) => None,
+            SectionMark::Angle { .. } | SectionMark::Period(_) => None,
         }
     }
 
@@ -48,14 +55,24 @@ impl SectionMark {
         match self {
             SectionMark::Round { contact, .. } => (view.contacts[contact].position, 0.0),
             SectionMark::TurningPoint { component, value, .. } => (component, value),
+            SectionMark::Angle { component, .. } => (component, MARKED_ANGLE),
             SectionMark::Period(forcing) => (forcing.component, 0.0),
         }
     }
-}
 
-/// Returns the value of the forcing's component at which the next period begins.
-pub(super) fn next_period(forcing: ForcingLayout, angle: f64) -> f64 {
-    forcing.period * ((angle / forcing.period).floor() + 1.0)
+    /// Returns the value through which its component passes next, and whether from above.
+    pub(super) fn next(self, view: &SystemView, from: f64) -> (f64, bool) {
+        let (_, value) = self.component(view);
+        let after = |period: f64| value + period * (((from - value) / period).floor() + 1.0);
+        let before = |period: f64| value + period * (((from - value) / period).ceil() - 1.0);
+        match self {
+            SectionMark::Round { direction, .. } => (value, direction < 0.0),
+            SectionMark::TurningPoint { falls, .. } => (value, falls),
+            SectionMark::Angle { grows: true, .. } => (after(TAU), false),
+            SectionMark::Angle { grows: false, .. } => (before(TAU), true),
+            SectionMark::Period(forcing) => (after(forcing.period), false),
+        }
+    }
 }
 
 /// A section and the contacts' phases there.
@@ -100,7 +117,8 @@ impl Section {
             contacts.any(|(contact, rests)| *rests && contact.driven == Some(*place))
         };
         let free = view.free.iter().filter(|place| **place != marking.0 && !driven(place));
-        let mut coordinates: Vec<_> = free.map(|place| (*place, false)).collect();
+        let is_angle = |place: &usize| view.angles.contains(place);
+        let mut coordinates: Vec<_> = free.map(|place| (*place, is_angle(place))).collect();
         for (index, contact) in view.contacts.iter().enumerate() {
             if following.iter().any(|(follower, _)| *follower == index) {
                 continue;
@@ -169,34 +187,32 @@ impl Section {
             SectionMark::Round { contact, may_stop: false, .. } => phases[contact].in_band(),
             SectionMark::Round { .. }
             | SectionMark::TurningPoint { .. }
+            | SectionMark::Angle { .. }
             | SectionMark::Period(_) => false,
         };
         !stops && rests.all(|(rests, phase)| !rests || *phase == Phase::Stick)
     }
 
     /// Returns time and state of a passage through the section in the latest step of a motion.
-    pub(super) fn passage(&self, motion: &Motion) -> Option<(f64, Components)> {
-        let (component, value) = self.marking;
+    pub(super) fn passage(&self, view: &SystemView, motion: &Motion) -> Option<(f64, Components)> {
+        let (component, _) = self.marking;
         match self.mark {
             SectionMark::Round { contact, direction, .. } => motion
                 .passage(contact)
                 .filter(|(_, state)| direction * motion.evaluator().speeds(state)[contact] > 0.0),
-            SectionMark::TurningPoint { falls, .. } => {
-                let sign = if falls { 1.0 } else { -1.0 };
-                let passed =
-                    motion.falls_through_zero(|state| sign * (state[component] - value))?;
-                let ends = [motion.last_step_began(), motion.time()];
-                let ends = ends.map(|time| motion.within_last_step(time));
-                let is_resolved = |end: &Components| (end[component] - value).abs() > RESOLVED;
-                ends.iter().flatten().any(is_resolved).then_some(passed)
-            }
-            SectionMark::Period(forcing) => {
-                let begun = motion.within_last_step(motion.last_step_began())?;
-                let next = next_period(forcing, begun[forcing.component]);
+            mark => {
+                let begun = motion.within_last_step(motion.last_step_began())?[component];
+                let (target, from_above) = mark.next(view, begun);
+                let sign = if from_above { 1.0 } else { -1.0 };
                 let (time, mut state) =
-                    motion.falls_through_zero(|state| next - state[component])?;
-                self.put_on(&mut state);
-                Some((time, state))
+                    motion.falls_through_zero(|state| sign * (state[component] - target))?;
+                let end = motion.within_last_step(motion.time())?[component];
+                let is_resolved = !matches!(mark, SectionMark::TurningPoint { .. })
+                    || [begun, end].iter().any(|end| (end - target).abs() > RESOLVED);
+                if matches!(mark, SectionMark::Period(_)) {
+                    self.put_on(&mut state);
+                }
+                is_resolved.then_some((time, state))
             }
         }
     }
@@ -251,6 +267,11 @@ impl Section {
 pub(super) fn marks(view: &SystemView) -> Vec<SectionMark> {
     match view.evaluator.graph().layout.forcing {
         Some(forcing) => vec![SectionMark::Period(forcing)],
+        None if view.marking_angles().next().is_some() => {
+            let both =
+                |component| [true, false].map(|grows| SectionMark::Angle { component, grows });
+            view.marking_angles().flat_map(both).chain(turning_points(view)).collect()
+        }
         None if view.revolves() => Vec::new(),
         None => {
             let maxima = maxima(view);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::derived_rest::DerivedRest;
-use crate::model::{Components, RestForms, System, wrap_to_two_pi};
+use crate::model::{Components, RestForms, System, wrap_to_pi, wrap_to_two_pi};
 use crate::motion::{Evaluator, PerContact, Phase};
 
 /// A system as the classification sees it.
@@ -12,6 +12,8 @@ pub(super) struct SystemView {
     pub(super) evaluator: Evaluator,
     /// The components that belong to no contact, in their order.
     pub(super) free: Vec<usize>,
+    /// Those of them that are angles with a period of one turn.
+    pub(super) angles: Vec<usize>,
     /// The components of the contacts.
     pub(super) contacts: Vec<ContactPlace>,
     /// The displacement whose amplitude is measured, and its velocity, if the system has one.
@@ -63,6 +65,7 @@ impl SystemView {
             !contacts.iter().any(has)
         };
         let free = (0..graph.derivative.len()).filter(is_free).collect();
+        let angles = layout.angles.clone();
         let velocity = layout.velocities.first();
         let vibration = layout
             .vibration
@@ -71,7 +74,7 @@ impl SystemView {
         let any = vec![0.0; graph.derivative.len()];
         let has_outputs = !evaluator.system().outputs(&any).is_empty();
         let mut view =
-            SystemView { free, contacts, vibration, evaluator, has_outputs, derived: None };
+            SystemView { free, angles, contacts, vibration, evaluator, has_outputs, derived: None };
         // Without contacts, motions decay and nothing comes to rest at an instant.
         if view.system().rest_forms().is_none() && !view.contacts.is_empty() {
             view.derived = DerivedRest::of(&view.evaluator, &view.free).map(Arc::new);
@@ -98,6 +101,19 @@ impl SystemView {
     /// Returns whether a contact revolves on a ring, as a ball does.
     pub(super) fn revolves(&self) -> bool {
         self.contacts.iter().any(|contact| contact.angular)
+    }
+
+    /// Returns the angles that mark sections by their passages through any one value: those without contact, and those of contacts
+    /// whose sliding speed is no component. Such a speed may vanish at some angles, as that of a piston at its dead centres.
+    pub(super) fn marking_angles(&self) -> impl Iterator<Item = usize> + '_ {
+        let of_contacts = self.contacts.iter();
+        let of_contacts = of_contacts.filter(|contact| contact.angular && contact.speed.is_none());
+        self.angles.iter().copied().chain(of_contacts.map(|contact| contact.position))
+    }
+
+    /// Returns a change of a component without contact, that of an angle modulo one turn.
+    pub(super) fn change_of_free(&self, component: usize, change: f64) -> f64 {
+        if self.angles.contains(&component) { wrap_to_pi(change) } else { change }
     }
 
     /// Returns whether a contact may move on and on: it revolves, or nothing depends on its position.

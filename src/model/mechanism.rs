@@ -49,6 +49,8 @@ pub struct Mechanism<'r> {
     pub contacts: Vec<MechanismContact<'r>>,
     /// The component of `others` in which the equations are periodic, with its period.
     pub forcing: Option<(Expression<'r>, f64)>,
+    /// The coordinates without contact that are angles with a period of one turn.
+    pub angles: Vec<Expression<'r>>,
 }
 
 impl<'r> Mechanism<'r> {
@@ -254,6 +256,7 @@ impl<'r> Mechanism<'r> {
             velocities: self.coordinates.iter().map(velocity).collect(),
             vibration: None,
             forcing: self.forcing.map(forcing),
+            angles: self.angles.iter().map(|angle| component(recorder, *angle)).collect(),
         }
     }
 }

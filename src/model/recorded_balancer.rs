@@ -32,7 +32,7 @@ pub(super) fn equations<'r, const N: usize, const FREE: usize>(
         contacts: (0..N).map(|i| ContactLayout { position: 2 * FREE + i, angular }).collect(),
         velocities: (FREE > 0).then_some(free).into_iter().chain(speeds).collect(),
         vibration: (FREE == 2).then_some([0, 1]),
-        forcing: None,
+        ..StateLayout::default()
     };
     SystemEquations {
         derivative: components.collect(),

@@ -167,7 +167,7 @@ fn check_numbers(model: &Model) -> Result<(), String> {
     if let Some((what, left, right)) = pairs.into_iter().find(|(_, left, right)| left != right) {
         return Err(format!("the numbers of {what} differ: {left} and {right}, for {model:?}"));
     }
-    let StateLayout { contacts, velocities, vibration, forcing } = &graph.layout;
+    let StateLayout { contacts, velocities, vibration, forcing, angles } = &graph.layout;
     if let Some(forcing) =
         forcing.filter(|forcing| forcing.period.is_nan() || forcing.period <= 0.0)
     {
@@ -178,7 +178,8 @@ fn check_numbers(model: &Model) -> Result<(), String> {
     let mut named = named
         .chain(velocities.iter().flatten().copied())
         .chain(vibration.iter().flatten().copied())
-        .chain(forcing.iter().map(|forcing| forcing.component));
+        .chain(forcing.iter().map(|forcing| forcing.component))
+        .chain(angles.iter().copied());
     match named.find(|component| *component >= state.len()) {
         Some(component) => Err(format!(
             "its layout or an event names the component {component}, counted from 0, of {}",

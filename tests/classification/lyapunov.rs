@@ -12,6 +12,7 @@ use stickslip::model::{
 };
 use stickslip::motion::{Phase, Settings};
 
+use super::outputs::cases;
 use super::simulate_all::simulate_all;
 use crate::support::{
     cases_of, for_each_kernel, go_on, parse, settings, start_of, started, state_of,
@@ -230,4 +231,34 @@ simulation: {{end_time_s: {end_time_s}, tolerance: {{relative: {tolerance:e}, ab
     assert!(10 * irregular >= 8 * moving && moving >= 90, "{irregular} of {moving}");
     let [regular, _, moving] = labels("{restitution: 0.36}", 16.5, 1e-8);
     assert!(regular == 0 && moving >= 120, "{regular} of {moving}");
+}
+
+/// A ball jumps irregularly on a plate that vibrates. A second body, which the friction of the impacts moves to and fro, does not act on
+/// the ball, so that it changes neither the label nor, by more than the intervals, the exponent. The contact has the position of the second
+/// body.
+#[test]
+fn what_no_contact_moves_along_separates_too() {
+    let exponent = |friction: &str| {
+        let system = format!(
+            "parameters: {{g: 0.15}}
+coordinates: {{y: {{start: [3, 5]}}, x: {{start: [0, 1]}}}}
+mass: {{y: {{y: 1}}, x: {{x: 1}}}}
+force: {{y: -g, x: -x - 0.1 * x'}}
+contacts: {{plate: {{gap: y - cos(t), restitution: 0.8{friction}}}}}
+period: 2 * pi"
+        );
+        let mut cases = cases(&system, 2, 3000.0);
+        cases.iter_mut().for_each(|case| case.simulation.method = Method::Event);
+        cases.iter().map(simulate).collect::<Vec<_>>()
+    };
+    let with = ", sliding: x', friction: {coulomb: {coefficient: 0.01}}";
+    for (without, with) in exponent("").iter().zip(exponent(with)) {
+        assert_eq!(with.evidence.label(), Label::Irregular, "{with:?}");
+        assert_eq!(without.evidence.label(), Label::Irregular, "{without:?}");
+        let [without, with] = [without, &with].map(|outcome| {
+            let exponent = outcome.lyapunov.expect("measured");
+            exponent.interval_1_s.expect("several blocks")
+        });
+        assert!(with[0] <= without[1] && without[0] <= with[1], "{with:?}, {without:?}");
+    }
 }

@@ -33,6 +33,7 @@ pub fn block<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanism<'r>
             force_unit: 1.0,
         }],
         forcing: Some((phase, TAU)),
+        angles: vec![],
     }
 }
 

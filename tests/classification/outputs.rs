@@ -3,7 +3,7 @@
 use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Case, OutputValue};
 
-use crate::support::{cases_of, parse};
+use crate::support::{METHODS, cases_of, parse};
 
 /// Returns the outcomes of the runs of a system.
 pub(super) fn outcomes(system: &str, samples: usize, end_time_s: f64) -> Vec<Outcome> {
@@ -193,5 +193,27 @@ contacts:
         assert!((found - margin).abs() < 1e-9, "{found} {margin} {x}");
         assert_values(&outcome, 1, &[(OutputValue::Mean, x * x)]);
         assert_values(&outcome, 2, &[(OutputValue::Least, 0.0), (OutputValue::Greatest, 0.0)]);
+    }
+}
+
+/// The extremes of a speed contain that just before an impact: a hammer leaves its anvil with `e` times the speed at which it hits it.
+#[test]
+fn a_hammer_is_fastest_where_it_hits() {
+    let system = "parameters: {m: 2, k: 800, p: 100, w: 25, e: 0.6}
+coordinates: {x: {start: [-0.02, 0.015], start_rate: [-1, 1]}}
+mass: {x: {x: m}}
+force: {x: -k * x - 2 * x' + p * sin(w * t)}
+contacts:
+  guide: {normal: 10, sliding: x', friction: {coulomb: {coefficient: 0.3}}}
+  anvil: {gap: 0.02 - x, restitution: e}
+period: 2 * pi / w";
+    for method in METHODS {
+        for mut case in cases(system, 3, 60.0) {
+            case.simulation.method = method;
+            let outcome = simulate(&case);
+            let [least, greatest] = [OutputValue::Least, OutputValue::Greatest]
+                .map(|value| outcome.outputs[1].value(value).expect("a cycle has extremes"));
+            assert!((least + 0.6 * greatest).abs() < 1e-4 * greatest, "{least}, {greatest}");
+        }
     }
 }

@@ -112,6 +112,7 @@ fn falling_sphere<'r>(recorder: &'r Recorder, friction: &[Friction]) -> Mechanis
             force_unit: 1.0,
         }],
         forcing: None,
+        angles: vec![],
     }
 }
 

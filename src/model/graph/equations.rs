@@ -31,6 +31,8 @@ pub struct StateLayout {
     pub vibration: Option<[usize; 2]>,
     /// The component in which the equations are periodic, if the system is forced periodically.
     pub forcing: Option<ForcingLayout>,
+    /// The coordinates without contact that are angles with a period of one turn.
+    pub angles: Vec<usize>,
 }
 
 /// The time, or the phase of a periodic force.

@@ -177,9 +177,8 @@ impl WrittenSystem {
             let in_unit = |force| factor.map_or(force, |factor| factor * force).in_unit(unit);
             let normal = bodies.evaluate(formula, &mut values)?;
             let place = self.position(number);
-            let member = instance.coordinates[place];
             contacts.push(MechanismContact {
-                position: (positions[place], instance.definition.coordinates[member.of].periodic),
+                position: (positions[place], instance.is_periodic(place)),
                 sliding_speed: match (self.speeds[number], &contact.sliding) {
                     (
                         SpeedOf::Velocity(place) | SpeedOf::Same(place) | SpeedOf::Multiple(place),
@@ -214,7 +213,14 @@ impl WrittenSystem {
                 force_unit: self.force_units[number],
             });
         }
+        let has_contact =
+            |place: &usize| (0..contacts.len()).any(|number| self.position(number) == *place);
+        let angles = (0..positions.len())
+            .filter(|place| instance.is_periodic(*place) && !has_contact(place))
+            .map(|place| positions[place])
+            .collect();
         Ok(Mechanism {
+            angles,
             coordinates: positions
                 .into_iter()
                 .zip(speeds)

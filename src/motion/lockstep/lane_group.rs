@@ -81,6 +81,8 @@ pub(crate) trait LaneGroup: StepStates {
     fn landed(&self, lane: usize) -> &[usize];
     /// Returns how the contacts of the run in a lane have touched; `None` for a system without gaps.
     fn touches(&self, lane: usize) -> Option<Touches>;
+    /// Returns the number of impacts of the run in a lane.
+    fn impacts(&self, lane: usize) -> u64;
     /// Returns the effort of the run in a lane.
     fn effort(&self, lane: usize) -> Effort;
 
@@ -278,6 +280,10 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
 
     fn touches(&self, lane: usize) -> Option<Touches> {
         self.lanes[lane].as_ref()?.touches(self.time[lane])
+    }
+
+    fn impacts(&self, lane: usize) -> u64 {
+        self.lanes[lane].as_ref().map_or(0, |run| run.impacts)
     }
 
     fn effort(&self, lane: usize) -> Effort {
