@@ -46,8 +46,9 @@ const LEAST_APPROACHED: usize = 4;
 /// The least size of a closed orbit over the distance from the orbit that closes exactly. A motion that swings about an equilibrium
 /// closes nearly, too.
 const LEAST_SIZE: f64 = 10.0;
-/// The largest part of its way that a contact may be displaced in a period of a closed orbit.
+/// The largest part of its way that a contact may be displaced in a period of a closed orbit, and the least way that is not rounding.
 const DISPLACED: f64 = 0.5;
+const LEAST_WAY: f64 = 1e-12;
 /// Distance from the unit circle below which a multiplier does not decide the stability, because
 /// the orbit closes only to within the tolerances.
 const MULTIPLIER_DOUBT: f64 = 1e-4;
@@ -146,17 +147,22 @@ fn is_equilibrium(closed: &Closed) -> bool {
     rates.iter().all(|rate| rate.abs() <= SHRUNK)
 }
 
-/// Returns whether an orbit is so small that it may be an equilibrium that the run approaches: its size is that of the distance from
+/// Returns whether an orbit may be an equilibrium that the run approaches: its size is less than [`LEAST_SIZE`] times the distance from
 /// the orbit that closes exactly.
 fn is_point(closed: &Closed, orbit: &Orbit, closure: f64) -> bool {
     let ReturnMap { section, view, turns, .. } = closed.map;
-    let forcing = view.evaluator.graph().layout.forcing.map(|forcing| forcing.component);
+    let layout = &view.evaluator.graph().layout;
+    let forcing = layout.forcing.map(|forcing| forcing.component);
+    let time = orbit.period / (TAU * turns as f64);
     let rates = view.evaluator.rates(&section.phases, &closed.state);
-    let rates = rates.iter().enumerate().filter(|(place, _)| Some(*place) != forcing);
-    let largest = rates.fold(0.0, |largest: f64, (_, rate)| largest.max(rate.abs()));
+    // Of a small oscillation, these are the amplitudes of the positions.
+    let sizes = rates.iter().enumerate().filter(|(place, _)| Some(*place) != forcing);
+    let sizes = sizes.map(|(place, rate)| {
+        let is_velocity = layout.velocities.iter().flatten().any(|of| *of == place);
+        rate.abs() * if is_velocity { time * time } else { time }
+    });
     let is_located = forcing.is_some() && closed.error <= closure;
-    let turn = orbit.period / turns as f64;
-    !is_located && largest * turn / TAU < LEAST_SIZE * closed.error
+    !is_located && sizes.fold(0.0, f64::max) < LEAST_SIZE * closed.error
 }
 
 /// Returns whether a contact, whose position matters, only ever moves in one direction: it creeps, however little.
@@ -166,7 +172,7 @@ fn moves_one_way(closed: &Closed, orbit: &Orbit) -> bool {
         let [low, high] = orbit.position_extremes[index];
         let displaced = orbit.speed[index] * orbit.period - f64::from(orbit.turns[index]) * TAU;
         let counts = !contact.ignorable && !section.rests[index] && orbit.turns[index] == 0;
-        counts && high > low && displaced.abs() > DISPLACED * (high - low)
+        counts && high - low > LEAST_WAY && displaced.abs() > DISPLACED * (high - low)
     })
 }
 
@@ -197,7 +203,7 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
         let size = residual.amax();
         // Iterates below the required accuracy as long as the error decreases.
         let at_best = AT_BEST * map.settings.tolerance.relative;
-        let stalls = last <= closure && size > 0.25 * last;
+        let stalls = last.max(size) <= closure && size > 0.25 * last;
         let mut slope = slope;
         if size <= at_best || stalls {
             let known = known_or_followed(slope)?;

@@ -9,7 +9,7 @@
 //! The confidence interval of the exponent comes from the scatter of the rates in successive blocks
 //! of the window (batch means: B. Schmeiser, Operations Research 30 (1982) 556,
 //! doi:10.1287/opre.30.3.556). A block consists of one or more of [`PARTS`] equal parts of the window
-//! and contains at least [`LEAST_TURNS_AND_SWITCHES`] turns and switches per contact, so that the rates of successive
+//! and contains at least [`LEAST_TURNS_AND_SWITCHES`] turns, switches and impacts per contact, so that the rates of successive
 //! blocks are not positively correlated and the interval is not too narrow. A window with fewer turns
 //! and switches has fewer blocks and a wider interval; one block has no interval.
 //!
@@ -85,7 +85,7 @@ struct GrowthMark {
 /// How far a run has come.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RunProgress {
-    /// Turns and switches per contact since the start of the run.
+    /// Turns, switches and impacts of contacts that open since the start of the run, per contact.
     pub(super) turns_and_switches: f64,
     /// The size of the velocity.
     pub(super) speed: f64,

@@ -209,10 +209,9 @@ fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
         [if counts { position } else { 0.0 }, speed.map_or(0.0, |speed| passage.state[speed])]
     };
     let contacts = view.contacts.iter().zip(&passage.phases).flat_map(of_contact);
-    let free = view.free.iter().filter(|place| **place != marking);
+    let free = view.returning.iter().filter(|place| **place != marking);
     // Different weights, so that no symmetry cancels.
-    let weighted =
-        contacts.chain(free.map(|place| smooth(*place, view.angles.contains(place)))).zip(1..);
+    let weighted = contacts.chain(free.map(|place| smooth(*place, view.is_angle(*place)))).zip(1..);
     weighted.map(|(value, weight)| (1.0 + 0.29 * f64::from(weight)) * value).sum()
 }
 
@@ -237,8 +236,10 @@ fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: SectionMark) ->
             return largest;
         }
     }
-    let free = view.free.iter().filter(|place| **place != marking);
+    let free = view.returning.iter().filter(|place| **place != marking);
     free.fold(largest, |largest, place| {
-        largest.max(view.change_of_free(*place, change(*place)).abs())
+        let change = change(*place);
+        let change = if view.is_angle(*place) { wrap_to_pi(change) } else { change };
+        largest.max(change.abs())
     })
 }

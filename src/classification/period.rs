@@ -131,7 +131,7 @@ impl Period {
         let (time, state) = returned.unwrap_or_else(at_end);
         let length = time - self.time;
         // An impact at the step's end changes the speeds.
-        let before_events = (step.end.is_none()).then(|| motion.within_last_step(time)).flatten();
+        let before_events = step.end.is_none().then(|| motion.within_last_step(time)).flatten();
         let before_events = before_events.unwrap_or_else(|| state.clone());
         for (stuck, phase) in self.stuck.iter_mut().zip(during) {
             *stuck += if *phase == Phase::Stick { length } else { 0.0 };

@@ -176,9 +176,9 @@ impl ReturnMap<'_> {
             let mut step = FollowedStep { motion, whole_turns, end };
             watch(&mut step);
             let turns = step.whole_turns;
-            for (index, contact) in contacts.iter().enumerate() {
-                state[contact.position] += turns[index] + taken_off(index);
-            }
+            let turned: PerContact =
+                turns.iter().enumerate().map(|(index, turns)| turns + taken_off(index)).collect();
+            self.view.turn(&mut state, &turned);
             return Some(Return { state, time, steps: motion.effort().total() });
         }
         None

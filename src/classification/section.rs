@@ -116,9 +116,9 @@ impl Section {
             let mut contacts = view.contacts.iter().zip(&rests);
             contacts.any(|(contact, rests)| *rests && contact.driven == Some(*place))
         };
-        let free = view.free.iter().filter(|place| **place != marking.0 && !driven(place));
-        let is_angle = |place: &usize| view.angles.contains(place);
-        let mut coordinates: Vec<_> = free.map(|place| (*place, is_angle(place))).collect();
+        let free = view.returning.iter();
+        let free = free.filter(|place| **place != marking.0 && !driven(place));
+        let mut coordinates: Vec<_> = free.map(|place| (*place, view.is_angle(*place))).collect();
         for (index, contact) in view.contacts.iter().enumerate() {
             if following.iter().any(|(follower, _)| *follower == index) {
                 continue;
@@ -217,13 +217,16 @@ impl Section {
         }
     }
 
-    /// Returns the number of contacts at whose other positions the motion would also repeat: contacts that rest, and contacts
-    /// whose positions occur in no equation.
+    /// Returns the number of positions at whose other values the motion would also repeat: those of contacts that rest, and positions
+    /// that occur in no equation.
     pub(super) fn neutral_directions(&self, view: &SystemView) -> usize {
         let rests = |index: usize| self.rests[index] && view.contacts[index].holds();
         let contacts = view.contacts.iter().enumerate();
         let neutral = contacts.filter(|(index, contact)| rests(*index) || contact.ignorable);
         let mut positions: Vec<usize> = neutral.map(|(_, contact)| contact.position).collect();
+        let marks = |place: usize| place == self.marking.0;
+        let unread = view.free.iter().filter(|place| !view.returning.contains(place));
+        positions.extend(unread.filter(|place| !marks(**place)));
         positions.sort_unstable();
         positions.dedup();
         positions.len()
@@ -262,22 +265,21 @@ impl Section {
     }
 }
 
-/// Returns what marks the section of a system if no contact that goes round does: the periods of its forcing, the maxima of
-/// positions on a moving support, or the turning points of all coordinates.
+/// Returns what marks the section of a system if no ball that goes round a ring does: the periods of its forcing; or else its angles
+/// besides the maxima of positions on a moving support, or the turning points of all coordinates.
 pub(super) fn marks(view: &SystemView) -> Vec<SectionMark> {
-    match view.evaluator.graph().layout.forcing {
-        Some(forcing) => vec![SectionMark::Period(forcing)],
-        None if view.marking_angles().next().is_some() => {
-            let both =
-                |component| [true, false].map(|grows| SectionMark::Angle { component, grows });
-            view.marking_angles().flat_map(both).chain(turning_points(view)).collect()
-        }
-        None if view.revolves() => Vec::new(),
-        None => {
-            let maxima = maxima(view);
-            if maxima.is_empty() { turning_points(view) } else { maxima }
-        }
+    if let Some(forcing) = view.evaluator.graph().layout.forcing {
+        return vec![SectionMark::Period(forcing)];
     }
+    let angles = view.marking_angles();
+    if angles.is_empty() && view.revolves() {
+        return Vec::new();
+    }
+    let both = |component| [true, false].map(|grows| SectionMark::Angle { component, grows });
+    let mut marks: Vec<_> = angles.into_iter().flat_map(both).collect();
+    let maxima = maxima(view);
+    marks.extend(if maxima.is_empty() { turning_points(view) } else { maxima });
+    marks
 }
 
 /// Returns the marks at the turning points of coordinates, in either direction: an impact may leave only one of them smooth.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::derived_rest::DerivedRest;
-use crate::model::{Components, RestForms, System, wrap_to_pi, wrap_to_two_pi};
+use crate::model::{Components, RestForms, System, wrap_to_two_pi};
 use crate::motion::{Evaluator, PerContact, Phase};
 
 /// A system as the classification sees it.
@@ -13,7 +13,9 @@ pub(super) struct SystemView {
     /// The components that belong to no contact, in their order.
     pub(super) free: Vec<usize>,
     /// Those of them that are angles with a period of one turn.
-    pub(super) angles: Vec<usize>,
+    angles: Vec<usize>,
+    /// Those of them that return in a motion that repeats: they occur in an equation.
+    pub(super) returning: Vec<usize>,
     /// The components of the contacts.
     pub(super) contacts: Vec<ContactPlace>,
     /// The displacement whose amplitude is measured, and its velocity, if the system has one.
@@ -64,7 +66,8 @@ impl SystemView {
             };
             !contacts.iter().any(has)
         };
-        let free = (0..graph.derivative.len()).filter(is_free).collect();
+        let free: Vec<usize> = (0..graph.derivative.len()).filter(is_free).collect();
+        let returning = free.iter().copied().filter(|place| graph.reads(*place)).collect();
         let angles = layout.angles.clone();
         let velocity = layout.velocities.first();
         let vibration = layout
@@ -73,8 +76,16 @@ impl SystemView {
             .and_then(|([x, y], velocity)| Some([x, y, *velocity.first()?, *velocity.get(1)?]));
         let any = vec![0.0; graph.derivative.len()];
         let has_outputs = !evaluator.system().outputs(&any).is_empty();
-        let mut view =
-            SystemView { free, angles, contacts, vibration, evaluator, has_outputs, derived: None };
+        let mut view = SystemView {
+            free,
+            angles,
+            returning,
+            contacts,
+            vibration,
+            evaluator,
+            has_outputs,
+            derived: None,
+        };
         // Without contacts, motions decay and nothing comes to rest at an instant.
         if view.system().rest_forms().is_none() && !view.contacts.is_empty() {
             view.derived = DerivedRest::of(&view.evaluator, &view.free).map(Arc::new);
@@ -103,17 +114,24 @@ impl SystemView {
         self.contacts.iter().any(|contact| contact.angular)
     }
 
-    /// Returns the angles that mark sections by their passages through any one value: those without contact, and those of contacts
+    /// Returns the angles that mark sections by their passages through 1 rad: all, if one of them belongs to no contact, or to a contact
     /// whose sliding speed is no component. Such a speed may vanish at some angles, as that of a piston at its dead centres.
-    pub(super) fn marking_angles(&self) -> impl Iterator<Item = usize> + '_ {
-        let of_contacts = self.contacts.iter();
-        let of_contacts = of_contacts.filter(|contact| contact.angular && contact.speed.is_none());
-        self.angles.iter().copied().chain(of_contacts.map(|contact| contact.position))
+    pub(super) fn marking_angles(&self) -> Vec<usize> {
+        let angular = self.contacts.iter().filter(|contact| contact.angular);
+        let have_speeds = angular.clone().all(|contact| contact.speed.is_some());
+        if self.angles.is_empty() && have_speeds {
+            return Vec::new();
+        }
+        let mut all: Vec<_> = angular.map(|contact| contact.position).collect();
+        all.extend(&self.angles);
+        all.sort_unstable();
+        all.dedup();
+        all
     }
 
-    /// Returns a change of a component without contact, that of an angle modulo one turn.
-    pub(super) fn change_of_free(&self, component: usize, change: f64) -> f64 {
-        if self.angles.contains(&component) { wrap_to_pi(change) } else { change }
+    /// Returns whether a component without contact is an angle.
+    pub(super) fn is_angle(&self, component: usize) -> bool {
+        self.angles.contains(&component)
     }
 
     /// Returns whether a contact may move on and on: it revolves, or nothing depends on its position.

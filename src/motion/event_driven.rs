@@ -23,7 +23,7 @@
 use super::Failure;
 use super::evaluator::Forces;
 use super::force_model::ForceModel;
-use super::joint_decision::{Open, resolve_modes, stick_reserve};
+use super::joint_decision::{Open, resolve_modes, sets_off, stick_reserve};
 use super::{Direction, Phase, Phases};
 
 /// Rounding tolerance of a condition, over the size of the forces.
@@ -60,7 +60,7 @@ pub(super) fn decide<R>(
         Phase::Stick => {
             let reserve = stick_reserve(system, forces, contact);
             (!rests_with(system, phases, contact, (reserve, tie)))
-                .then(|| Phase::Slip(Direction::of(forces[contact].friction)))
+                .then(|| Phase::Slip(sets_off(system, forces, contact)))
         }
         Phase::Slip(direction) => {
             let acceleration = direction * forces[contact].acceleration;

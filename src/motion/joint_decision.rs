@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 
 use super::evaluator::{ContactForces, Forces};
 use super::force_model::ForceModel;
-use super::{Failure, Phase, Phases};
+use super::{Direction, Failure, Phase, Phases};
 
 /// Which contacts' phases are open.
 pub(super) type Open = SmallVec<[bool; 8]>;
@@ -149,10 +149,25 @@ pub(super) fn is_finite(contact: &ContactForces) -> bool {
     contact.acceleration.is_finite() && contact.normal.is_finite()
 }
 
-/// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`.
+/// The largest acceleration of bodies that do not move, over 1 and the largest acceleration.
+pub(super) const AGREE: f64 = 1e-6;
+
+/// Returns the remaining friction of a sticking contact, `μ_s f_n - |f_w|`; none where it accelerates all the same. Where equations are
+/// dependent, no force holds a contact whose sliding speed vanishes with its factor, as that of a piston at its dead centre.
 pub(super) fn stick_reserve(system: &dyn ForceModel, forces: &Forces, contact: usize) -> f64 {
-    let ContactForces { normal, friction, .. } = forces[contact];
+    let ContactForces { normal, friction, acceleration, speed } = forces[contact];
+    let scale = forces.iter().fold(1.0, |most: f64, of| most.max(of.acceleration.abs()));
+    if acceleration.abs() > AGREE * scale + speed.abs() {
+        return f64::NEG_INFINITY;
+    }
     system.limit(contact) * normal - friction.abs()
+}
+
+/// Returns the direction in which a contact sets off that does not stick with these forces.
+pub(super) fn sets_off(system: &dyn ForceModel, forces: &Forces, contact: usize) -> Direction {
+    let ContactForces { normal, friction, acceleration, .. } = forces[contact];
+    let is_overcome = friction.abs() >= system.limit(contact) * normal;
+    Direction::of(if is_overcome { friction } else { acceleration })
 }
 
 /// Returns an error for forces that are not finite and for normal forces that pull.

@@ -11,7 +11,7 @@
 use super::Failure;
 use super::evaluator::Forces;
 use super::force_model::ForceModel;
-use super::joint_decision::{Open, resolve_modes, stick_reserve};
+use super::joint_decision::{Open, resolve_modes, sets_off, stick_reserve};
 use super::{Direction, Phase, Phases, Settings};
 use crate::model::System;
 
@@ -59,7 +59,7 @@ pub(super) fn decide<R>(
     let better = |forces: &Forces, phases: &[Phase], contact: usize| match phases[contact] {
         Phase::Slip(_) | Phase::Free | Phase::Apart | Phase::Open | Phase::Closed => None,
         Phase::Stick => (stick_reserve(system, forces, contact) < -SLACK)
-            .then(|| Phase::Transition(Direction::of(forces[contact].friction))),
+            .then(|| Phase::Transition(sets_off(system, forces, contact))),
         Phase::Transition(direction) => {
             (direction * forces[contact].acceleration < -SLACK).then_some(Phase::Stick)
         }

@@ -19,7 +19,7 @@ use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
 use super::force_model::RecordedForces;
 use super::incremental_forces::TOGETHER;
-use super::joint_decision::{check_forces, is_finite, only_motion};
+use super::joint_decision::{AGREE, check_forces, is_finite, only_motion};
 use super::lockstep::width;
 use super::phase::any_closed;
 use super::separate_contacts::SeparateContacts;
@@ -30,9 +30,6 @@ use crate::model::{Holding, Method, Opening};
 
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
-
-/// The largest acceleration of bodies that do not move, over 1 and the largest acceleration.
-const AGREE: f64 = 1e-6;
 
 /// So few combinations are computed one by one.
 const FEW: usize = 3;

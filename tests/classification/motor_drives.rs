@@ -79,3 +79,49 @@ outputs: {{loss: c * p'^2 + d * x'^2, work: T * p'}}"
         }
     }
 }
+
+/// Two guides a quarter of a turn apart, as of a double slider: while one of them is at a dead centre, the other one slides.
+#[test]
+fn a_double_slider_runs_round() {
+    let system = "parameters: {J: 0.02, r: 0.05, T: 20, c: 0.45, load: 60}
+coordinates: {p: {unit: rad, start: [0, 6], start_rate: [0, 30], periodic: true}}
+mass: {p: {p: J}}
+force: {p: T - c * p'}
+contacts:
+  g: {normal: load, sliding: r * sin(p) * p', friction: {coulomb: {coefficient: 0.3}}}
+  h: {normal: load, sliding: r * cos(p) * p', friction: {coulomb: {coefficient: 0.3}}}
+outputs: {loss: c * p'^2}";
+    for outcome in by_both(system, 4, 60.0) {
+        let Evidence::ClosedOrbit(orbit) = &outcome.evidence else { panic!("{outcome:?}") };
+        assert_eq!(orbit.cycle.as_ref().expect("a cycle").turns, [1, 1]);
+        assert_work(&outcome, 2, TAU * 20.0 - 8.0 * 0.3 * 60.0 * 0.05);
+    }
+}
+
+/// A van der Pol oscillator with `μ = 1`, whose period is known, pushes a cart that drifts on. Nothing depends on where the cart is.
+#[test]
+fn a_position_that_occurs_in_no_equation_need_not_return() {
+    let system = "coordinates: {x: {start: [0.5, 1]}, y: {start: 0}}
+mass: {x: {x: 1}, y: {y: 1}}
+force: {x: (1 - x^2) * x' - x, y: 0.5 * (0.3 - y') + x}";
+    for outcome in by_both(system, 2, 200.0) {
+        let Evidence::ClosedOrbit(orbit) = &outcome.evidence else { panic!("{outcome:?}") };
+        assert_eq!(orbit.cycle.as_ref().expect("a cycle").neutral_directions, 1);
+        assert!((orbit.period_s - 6.663_286_859_323).abs() < 1e-6, "{}", orbit.period_s);
+        let creep = outcome.outputs[1].value(OutputValue::Creep).expect("a displacement");
+        assert!((creep - 0.3 * orbit.period_s).abs() < 1e-5, "{creep}");
+    }
+}
+
+/// A rotor with a brake turns beside a pendulum that may go round, but hangs.
+#[test]
+fn a_braked_rotor_turns_beside_a_pendulum() {
+    let system = "coordinates: {p: {start: 0.3, start_rate: 2, periodic: true}, q: {start: 0.5, periodic: true}}
+mass: {p: {p: 1}, q: {q: 1}}
+force: {p: 1.5 - 0.5 * p' + 0.3 * sin(p), q: -sin(q) - 0.3 * q'}
+contacts: {brake: {normal: 1, sliding: p', friction: {coulomb: {coefficient: 0.2}}}}
+outputs: {loss: 0.5 * p'^2}";
+    for outcome in by_both(system, 1, 600.0) {
+        assert_work(&outcome, 4, TAU * (1.5 - 0.2));
+    }
+}

@@ -76,9 +76,11 @@ impl Graph {
 
     /// Returns whether a contact may creep: its position, which is no angle, occurs in no equation.
     pub fn may_creep(&self, contact: &ContactLayout) -> bool {
-        if contact.angular {
-            return false;
-        }
+        !contact.angular && !self.reads(contact.position)
+    }
+
+    /// Returns whether a component of the state occurs in an equation.
+    pub fn reads(&self, component: usize) -> bool {
         let resets = self.events.iter().flat_map(|event| &event.reset).map(|(_, value)| value);
         let results = (self.derivative.iter())
             .chain(self.contacts.iter().flatten())
@@ -87,9 +89,9 @@ impl Graph {
             .chain(self.events.iter().map(|event| &event.guard))
             .chain(resets);
         let is_read = self.needed_by(results.copied());
-        let is_position =
-            |node: &Node| matches!(node, Node::State(index) if *index as usize == contact.position);
-        !self.nodes.iter().zip(is_read).any(|(node, read)| read && is_position(node))
+        let is_component =
+            |node: &Node| matches!(node, Node::State(index) if *index as usize == component);
+        self.nodes.iter().zip(is_read).any(|(node, read)| read && is_component(node))
     }
 
     /// Returns the component that is the sliding speed of a contact, if it is one component.
