@@ -124,7 +124,7 @@ pub(super) fn examine(map: ReturnMap, passed: &[PassageState], closure: f64) -> 
     let multipliers = moduli(closed.slope.clone())?;
     let (end, period) = closed.map.follow_closely(&closed.state)?;
     let orbit = orbit(&closed, &end, period, multipliers);
-    if is_point(&closed, &orbit, closure) || moves_one_way(&closed, &orbit) {
+    if is_point(&closed, &orbit) || moves_one_way(&closed, &orbit) {
         return None;
     }
     let largest = orbit.multipliers.first().copied().unwrap_or(0.0);
@@ -147,22 +147,19 @@ fn is_equilibrium(closed: &Closed) -> bool {
     rates.iter().all(|rate| rate.abs() <= SHRUNK)
 }
 
-/// Returns whether an orbit may be an equilibrium that the run approaches: its size is less than [`LEAST_SIZE`] times the distance from
-/// the orbit that closes exactly.
-fn is_point(closed: &Closed, orbit: &Orbit, closure: f64) -> bool {
+/// Returns whether an orbit of a system without forcing may be an equilibrium that the run approaches: its size is less than
+/// [`LEAST_SIZE`] times the distance from the orbit that closes exactly.
+fn is_point(closed: &Closed, orbit: &Orbit) -> bool {
     let ReturnMap { section, view, turns, .. } = closed.map;
     let layout = &view.evaluator.graph().layout;
-    let forcing = layout.forcing.map(|forcing| forcing.component);
     let time = orbit.period / (TAU * turns as f64);
     let rates = view.evaluator.rates(&section.phases, &closed.state);
     // Of a small oscillation, these are the amplitudes of the positions.
-    let sizes = rates.iter().enumerate().filter(|(place, _)| Some(*place) != forcing);
-    let sizes = sizes.map(|(place, rate)| {
+    let sizes = rates.iter().enumerate().map(|(place, rate)| {
         let is_velocity = layout.velocities.iter().flatten().any(|of| *of == place);
         rate.abs() * if is_velocity { time * time } else { time }
     });
-    let is_located = forcing.is_some() && closed.error <= closure;
-    !is_located && sizes.fold(0.0, f64::max) < LEAST_SIZE * closed.error
+    layout.forcing.is_none() && sizes.fold(0.0, f64::max) < LEAST_SIZE * closed.error
 }
 
 /// Returns whether a contact, whose position matters, only ever moves in one direction: it creeps, however little.
@@ -203,18 +200,12 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
         let size = residual.amax();
         // Iterates below the required accuracy as long as the error decreases.
         let at_best = AT_BEST * map.settings.tolerance.relative;
-        let stalls = last.max(size) <= closure && size > 0.25 * last;
-        let mut slope = slope;
-        if size <= at_best || stalls {
-            let known = known_or_followed(slope)?;
+        if size <= at_best || (last <= closure && size > 0.25 * last) {
+            let slope = known_or_followed(slope)?;
             let identity = DMatrix::identity(centre.len(), centre.len());
-            let step = (identity - &known).lu().solve(&residual);
-            let error = step.map_or(f64::INFINITY, |step| step.amax());
-            if error <= closure || stalls {
-                return Some(Closed { map, state: start, slope: known, error });
-            }
-            // Where neighbours approach slowly, an orbit far away closes nearly.
-            (slope, newton) = (Some(known), None);
+            let step = (identity - &slope).lu().solve(&residual);
+            let error = step.map_or(0.0, |step| step.amax());
+            return Some(Closed { map, state: start, slope, error });
         }
         let matrix = match newton.take().filter(|_| size <= 0.25 * last) {
             Some((matrix, step)) => matrix - &residual * step.transpose() / step.norm_squared(),
