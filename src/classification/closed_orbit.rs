@@ -203,8 +203,9 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
         if size <= at_best || (last <= closure && size > 0.25 * last) {
             let slope = known_or_followed(slope)?;
             let identity = DMatrix::identity(centre.len(), centre.len());
-            let step = (identity - &slope).lu().solve(&residual);
-            let error = step.map_or(0.0, |step| step.amax());
+            // A section may have no coordinates: all contacts rest.
+            let step = (!centre.is_empty()).then(|| (identity - &slope).lu().solve(&residual));
+            let error = step.flatten().map_or(0.0, |step| step.amax());
             return Some(Closed { map, state: start, slope, error });
         }
         let matrix = match newton.take().filter(|_| size <= 0.25 * last) {
