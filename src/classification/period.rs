@@ -131,8 +131,11 @@ impl Period {
         let (time, state) = returned.unwrap_or_else(at_end);
         let length = time - self.time;
         // An impact at the step's end changes the speeds.
-        let before_events = step.end.is_none().then(|| motion.within_last_step(time)).flatten();
-        let before_events = before_events.unwrap_or_else(|| state.clone());
+        let graph = view.evaluator.graph();
+        let jumps =
+            !(graph.events.is_empty() && graph.gaps.is_empty() && graph.openings.is_empty());
+        let before_events =
+            (jumps && step.end.is_none()).then(|| motion.within_last_step(time)).flatten();
         for (stuck, phase) in self.stuck.iter_mut().zip(during) {
             *stuck += if *phase == Phase::Stick { length } else { 0.0 };
         }
@@ -154,7 +157,7 @@ impl Period {
                     falls(1.0).or_else(|| falls(-1.0)).map(|(_, state)| state)
                 }
             };
-            for state in fastest.iter().chain([&before_events, &state]) {
+            for state in fastest.iter().chain(&before_events).chain([&state]) {
                 widen(&mut self.speeds[index], speed(state));
             }
             // It turns back where it stops, usually at a switch at the step's end.
@@ -188,7 +191,8 @@ impl Period {
         if view.has_outputs {
             let outputs = |inside: f64| {
                 let inside = (inside < time).then(|| motion.within_last_step(inside)).flatten();
-                let mut state = inside.unwrap_or_else(|| before_events.clone());
+                let at_end = || before_events.as_ref().unwrap_or(&state).clone();
+                let mut state = inside.unwrap_or_else(at_end);
                 view.turn(&mut state, &step.whole_turns);
                 view.system().outputs(&state)
             };

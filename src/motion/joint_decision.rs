@@ -156,11 +156,17 @@ pub(super) const AGREE: f64 = 1e-6;
 /// dependent, no force holds a contact whose sliding speed vanishes with its factor, as that of a piston at its dead centre.
 pub(super) fn stick_reserve(system: &dyn ForceModel, forces: &Forces, contact: usize) -> f64 {
     let ContactForces { normal, friction, acceleration, speed } = forces[contact];
-    let scale = forces.iter().fold(1.0, |most: f64, of| most.max(of.acceleration.abs()));
-    if acceleration.abs() > AGREE * scale + speed.abs() {
+    let excess = acceleration.abs() - speed.abs();
+    // Nearly always, a contact that sticks does not accelerate at all.
+    if excess > AGREE && excess > AGREE * largest_acceleration(forces) {
         return f64::NEG_INFINITY;
     }
     system.limit(contact) * normal - friction.abs()
+}
+
+#[cold]
+fn largest_acceleration(forces: &Forces) -> f64 {
+    forces.iter().fold(0.0, |most: f64, of| most.max(of.acceleration.abs()))
 }
 
 /// Returns the direction in which a contact sets off that does not stick with these forces.

@@ -34,6 +34,8 @@ pub struct Graph {
     pub layout: StateLayout,
     /// The nodes that depend on unknowns of linear systems and that rates and openings need, operands first.
     pub(crate) rates_with_unknowns: Vec<NodeId>,
+    /// Whether each component of the state occurs in an equation.
+    is_read: Vec<bool>,
     /// The sliding speed of each contact.
     pub(crate) sliding_speeds: GraphPart,
     /// The gap, the opening speed and the sliding speed of each opening, one after another.
@@ -52,6 +54,7 @@ impl Graph {
         let mut nodes = self.depending_on(|node| matches!(node, Node::Solution { .. }));
         nodes.retain(|node| is_needed[*node as usize]);
         self.rates_with_unknowns = nodes;
+        self.is_read = self.components_read();
         self
     }
 
@@ -81,6 +84,11 @@ impl Graph {
 
     /// Returns whether a component of the state occurs in an equation.
     pub fn reads(&self, component: usize) -> bool {
+        self.is_read.get(component).is_some_and(|is_read| *is_read)
+    }
+
+    /// Returns which components of the state occur in equations.
+    fn components_read(&self) -> Vec<bool> {
         let resets = self.events.iter().flat_map(|event| &event.reset).map(|(_, value)| value);
         let results = (self.derivative.iter())
             .chain(self.contacts.iter().flatten())
@@ -88,10 +96,15 @@ impl Graph {
             .chain(self.openings.iter().map(|opening| &opening.gap))
             .chain(self.events.iter().map(|event| &event.guard))
             .chain(resets);
-        let is_read = self.needed_by(results.copied());
-        let is_component =
-            |node: &Node| matches!(node, Node::State(index) if *index as usize == component);
-        self.nodes.iter().zip(is_read).any(|(node, read)| read && is_component(node))
+        let mut is_read = vec![false; self.derivative.len()];
+        for (node, needed) in self.nodes.iter().zip(self.needed_by(results.copied())) {
+            if let (Node::State(component), true) = (node, needed)
+                && let Some(is_read) = is_read.get_mut(*component as usize)
+            {
+                *is_read = true;
+            }
+        }
+        is_read
     }
 
     /// Returns the component that is the sliding speed of a contact, if it is one component.
@@ -220,6 +233,7 @@ impl Recorder {
             openings,
             layout: equations.layout.clone(),
             rates_with_unknowns: Vec::new(),
+            is_read: Vec::new(),
             sliding_speeds: GraphPart::default(),
             opening_speeds: GraphPart::default(),
         }
