@@ -1,14 +1,15 @@
 //! The steady states of a system of one's own: where friction holds its contacts, and where all of them slide steadily.
 //!
 //! Start positions at which nothing moves are examined, with the coordinates that no friction holds where the forces on them
-//! vanish (Newton's method).
+//! vanish (Newton's method). If the equations contain only differences of positions, steady motion at a constant speed is sought from
+//! the start states, too.
 
 use indexmap::IndexMap;
 use nalgebra::{DMatrix, DVector, Schur};
 use serde::Serialize;
 
 use crate::analysis::Stability;
-use crate::model::{Dual, Model, OutputUnits, Start, Units, wrap_to_two_pi};
+use crate::model::{Dual, Model, Start, Translation, Units, wrap_to_two_pi};
 use crate::motion::{Direction, Evaluator, Phase, Phases};
 
 /// The number of start positions that are examined.
@@ -29,14 +30,14 @@ pub struct SteadyStates {
     /// The fraction of the start positions, with all speeds zero, at which friction holds all contacts that do not slide; `None`
     /// if all contacts slide there.
     pub held_fraction: Option<f64>,
-    /// The states in which all contacts slide and no coordinate moves.
+    /// The states in which all contacts slide and no coordinate moves, or coordinates move on at constant speeds.
     pub sliding: Vec<SteadySliding>,
 }
 
-/// A state in which all contacts slide and no coordinate moves.
+/// A state in which all contacts slide and no coordinate moves, or coordinates move on at constant speeds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SteadySliding {
-    /// The value of each coordinate, by its name with the unit.
+    /// The value of each coordinate, or the speed at which it moves on, by its name with the unit.
     pub coordinates: IndexMap<String, f64>,
     /// The largest real part of the eigenvalues of small motions, 1/s.
     pub largest_real_part_1_s: f64,
@@ -55,30 +56,46 @@ impl SteadyStates {
         {
             return None;
         }
-        let (mut held, mut may_hold, mut found) = (0, false, Vec::<Vec<f64>>::new());
+        let (mut held, mut may_hold, mut found) = (0, false, Vec::<Vec<(usize, f64)>>::new());
         let (units, mut states) = (model.units(), SteadyStates::default());
+        let phases = Phases::from_elem(Phase::Stick, graph.contacts.len() + graph.gaps.len());
+        let translations = graph.translations(|| evaluator.inputs(&phases));
+        let starts_at_rest = ranges[ranges.len() / 2..].iter().all(|range| *range == [0.0; 2]);
         for number in 0..EXAMINED {
-            let start = ranges.iter().enumerate().map(|(place, [low, high])| {
-                let is_position = 2 * place < ranges.len();
-                if is_position { low + (high - low) * sample(number, place) } else { 0.0 }
-            });
-            let state = model.start_state(&Start(start.collect())).ok()?;
-            let mut examined = StillState::new(&evaluator, state.to_vec())?;
-            may_hold |= examined.sticks();
-            if !examined.settles() || !examined.holds() {
-                continue;
-            }
-            if examined.sticks() {
-                held += 1;
-                continue;
-            }
-            let place = examined.coordinates(&units);
-            let is_known = |known: &Vec<f64>| {
-                known.iter().zip(&place).all(|(left, right)| (left - right).abs() < SAME)
+            let start = |moves: bool| -> Option<SteadyState> {
+                let start = ranges.iter().enumerate().map(|(place, [low, high])| {
+                    let is_sampled = moves || 2 * place < ranges.len();
+                    if is_sampled { low + (high - low) * sample(number, place) } else { 0.0 }
+                });
+                let mut state = model.start_state(&Start(start.collect())).ok()?;
+                if moves && starts_at_rest {
+                    for component in graph.layout.velocities.iter().flatten() {
+                        state[*component] = 2.0 * sample(number, *component) - 1.0;
+                    }
+                }
+                SteadyState::new(&evaluator, &translations, state.to_vec())
             };
-            if !found.iter().any(is_known) {
-                states.sliding.push(examined.sliding(model, &units, &place)?);
-                found.push(place);
+            let still = start(false)?;
+            may_hold |= still.sticks();
+            let moving = (!translations.is_empty()).then(|| start(true)).flatten();
+            let moving = moving.filter(|state| !state.sticks());
+            for mut examined in std::iter::once(still).chain(moving) {
+                if !examined.settles() || !examined.holds() {
+                    continue;
+                }
+                if examined.sticks() {
+                    held += 1;
+                    continue;
+                }
+                let place = examined.constants(&units);
+                let is_known = |known: &Vec<(usize, f64)>| {
+                    let mut both = known.iter().zip(&place);
+                    both.all(|((_, left), (_, right))| (left - right).abs() < SAME)
+                };
+                if !found.iter().any(is_known) {
+                    states.sliding.push(examined.sliding(model, &units, &place)?);
+                    found.push(place);
+                }
             }
         }
         states.held_fraction = may_hold.then(|| f64::from(held) / EXAMINED as f64);
@@ -93,20 +110,25 @@ fn sample(number: usize, dimension: usize) -> f64 {
     ((number as f64 + 0.5) * prime.sqrt()).fract()
 }
 
-/// A state in which no coordinate moves.
-struct StillState<'e> {
+/// A state in which nothing moves but along translations that no equation notices.
+struct SteadyState<'e> {
     evaluator: &'e Evaluator,
+    /// The translations that move no contact that sticks.
+    translations: Vec<&'e Translation>,
     phases: Phases,
     state: Vec<f64>,
-    /// The positions that no contact holds, and the rates that must vanish there.
-    free: Vec<usize>,
-    rates: Vec<usize>,
+    /// The components that no contact holds, without the pivots of translations.
+    variables: Vec<usize>,
 }
 
-impl<'e> StillState<'e> {
-    /// Returns `None` if a contact may stick whose sliding speed is no component of the state, or if a component that is no
-    /// position, such as the time, moves by itself.
-    fn new(evaluator: &'e Evaluator, state: Vec<f64>) -> Option<Self> {
+impl<'e> SteadyState<'e> {
+    /// Returns `None` if a contact may stick whose sliding speed is no component of the state, or if a component, such as the
+    /// time, moves by itself.
+    fn new(
+        evaluator: &'e Evaluator,
+        translations: &'e [Translation],
+        state: Vec<f64>,
+    ) -> Option<Self> {
         let (graph, system) = (evaluator.graph(), evaluator.system());
         let phase = |(contact, speed): (usize, &f64)| match speed.abs() <= STILL {
             _ if !system.friction(contact).can_stick() => Phase::Free,
@@ -114,26 +136,38 @@ impl<'e> StillState<'e> {
             false => Phase::Slip(Direction::of(*speed)),
         };
         let phases: Phases = evaluator.speeds(&state).iter().enumerate().map(phase).collect();
-        let (mut held, mut still) = (Vec::new(), Vec::new());
+        let mut held = Vec::new();
         for (contact, _) in phases.iter().enumerate().filter(|(_, phase)| **phase == Phase::Stick) {
-            held.push(graph.layout.contacts[contact].position);
-            still.push(graph.speed_component(contact)?);
+            held.extend([graph.layout.contacts[contact].position, graph.speed_component(contact)?]);
         }
-        let velocities: Vec<usize> = graph.layout.velocities.iter().flatten().copied().collect();
-        let is_free = |place: &usize| !velocities.contains(place) && !held.contains(place);
-        let free: Vec<usize> = (0..state.len()).filter(is_free).collect();
-        let moves = |place: &usize| !still.contains(place);
-        let rates: Vec<usize> = velocities.iter().copied().filter(moves).collect();
-        (free.len() == rates.len()).then_some(StillState { evaluator, phases, state, free, rates })
+        let rates = evaluator.rates(&phases, &state);
+        let runs = |place: usize| graph.is_clock(place) && rates[place] != 0.0;
+        if (0..state.len()).any(|place| runs(place) && !graph.translates(place)) {
+            return None;
+        }
+        let moves_none = |one: &&Translation| !held.iter().any(|place| one.displaces(*place));
+        let translations: Vec<_> = translations.iter().filter(moves_none).collect();
+        let varies = |place: &usize| {
+            !held.contains(place) && !translations.iter().any(|one| one.pivot == *place)
+        };
+        let variables = (0..state.len()).filter(varies).collect();
+        Some(SteadyState { evaluator, translations, phases, state, variables })
     }
 
     fn sticks(&self) -> bool {
         self.phases.contains(&Phase::Stick)
     }
 
-    /// Returns the derivatives of some rates by some components.
-    fn slopes(&self, rates: &[usize], components: &[usize]) -> DMatrix<f64> {
-        let columns: Vec<_> = components
+    /// Returns a component without the displacement by translations.
+    fn remaining(&self, of: impl Fn(usize) -> f64, component: usize) -> f64 {
+        let carried = self.translations.iter().map(|one| one.of(component) * of(one.pivot));
+        of(component) - carried.sum::<f64>()
+    }
+
+    /// Returns the derivatives of the rates of the variables.
+    fn slopes(&self) -> DMatrix<f64> {
+        let columns: Vec<_> = self
+            .variables
             .iter()
             .map(|along| {
                 let dual = |component: usize| Dual {
@@ -144,38 +178,40 @@ impl<'e> StillState<'e> {
             })
             .collect();
         let derivative = &self.evaluator.graph().derivative;
-        DMatrix::from_fn(rates.len(), components.len(), |row, column| {
-            columns[column][derivative[rates[row]] as usize].slope
+        DMatrix::from_fn(columns.len(), columns.len(), |row, column| {
+            let slope = |component: usize| columns[column][derivative[component] as usize].slope;
+            self.remaining(slope, self.variables[row])
         })
     }
 
-    /// Moves the free positions to where their accelerations vanish; returns whether there is such a place.
+    /// Returns the rates of change of some components without translations.
+    fn rates(&self, components: impl Iterator<Item = usize>) -> Vec<f64> {
+        let rates = self.evaluator.rates(&self.phases, &self.state);
+        components.map(|component| self.remaining(|place| rates[place], component)).collect()
+    }
+
+    /// Changes the variables to where their rates vanish; returns whether there is such a place.
     fn settles(&mut self) -> bool {
         for _ in 0..MOST_STEPS {
-            let rates = self.evaluator.rates(&self.phases, &self.state);
-            let now =
-                DVector::from_iterator(self.rates.len(), self.rates.iter().map(|row| rates[*row]));
-            if self.free.is_empty() {
-                return now.amax() <= THERE;
+            if self.variables.is_empty() {
+                break;
             }
-            let Some(step) = self.slopes(&self.rates, &self.free).lu().solve(&now) else {
-                return false;
-            };
-            for (component, step) in self.free.iter().zip(step.iter()) {
-                self.state[*component] -= step;
-            }
-            let largest =
-                self.free.iter().fold(1.0_f64, |most, place| most.max(self.state[*place].abs()));
+            let rates = DVector::from_vec(self.rates(self.variables.iter().copied()));
+            let Some(step) = self.slopes().lu().solve(&rates) else { return false };
             if !step.iter().all(|entry| entry.is_finite()) {
                 return false;
             }
+            let mut largest = 1.0_f64;
+            for (component, step) in self.variables.iter().zip(step.iter()) {
+                self.state[*component] -= step;
+                largest = largest.max(self.state[*component].abs());
+            }
             if step.amax() <= THERE * largest {
-                let rates = self.evaluator.rates(&self.phases, &self.state);
-                // A component that only time moves, or a position that drifts, is no steady state.
-                return self.free.iter().all(|place| rates[*place].abs() <= THERE);
+                break;
             }
         }
-        false
+        // A component that only time moves is no steady state.
+        self.rates(0..self.state.len()).iter().all(|rate| rate.abs() <= THERE)
     }
 
     /// Returns whether all contacts are pressed together, slide as assumed, and friction holds those that stick.
@@ -195,20 +231,36 @@ impl<'e> StillState<'e> {
         })
     }
 
-    /// Returns the non-dimensional values of the coordinates; angles that go round and round are within one turn.
-    fn coordinates(&self, units: &Units) -> Vec<f64> {
-        let values = self.evaluator.system().outputs(&self.state);
-        let wrapped = |(value, unit): (&f64, &OutputUnits)| {
-            if unit.angular { wrap_to_two_pi(*value) } else { *value }
+    /// Returns the numbers and values of the outputs that do not change, non-dimensional: of a coordinate that a translation displaces
+    /// its rate of change, otherwise the coordinate. Angles that go round and round are within one turn.
+    fn constants(&self, units: &Units) -> Vec<(usize, f64)> {
+        let outputs = |state: &[f64]| self.evaluator.system().outputs(state);
+        let now = outputs(&self.state);
+        let count = self.evaluator.graph().layout.velocities.iter().flatten().count();
+        let displaced = |translation: &&Translation| {
+            let displaced = |place: usize| self.state[place] + translation.of(place);
+            outputs(&(0..self.state.len()).map(displaced).collect::<Vec<_>>())
         };
-        values.iter().zip(&units.outputs).take(self.state.len() / 2).map(wrapped).collect()
+        let displaced: Vec<_> = self.translations.iter().map(displaced).collect();
+        let is_displaced =
+            |number: usize| displaced.iter().any(|of| (of[number] - now[number]).abs() > ROUNDING);
+        let constant = |number: usize| match is_displaced(number) {
+            true => (count + number, now[count + number]),
+            false if units.outputs[number].angular => (number, wrap_to_two_pi(now[number])),
+            false => (number, now[number]),
+        };
+        (0..count).map(constant).collect()
     }
 
-    fn sliding(&self, model: &Model, units: &Units, place: &[f64]) -> Option<SteadySliding> {
-        let all: Vec<usize> = (0..self.state.len()).collect();
-        let slopes = self.slopes(&all, &all);
+    fn sliding(
+        &self,
+        model: &Model,
+        units: &Units,
+        place: &[(usize, f64)],
+    ) -> Option<SteadySliding> {
         // The number of iterations is bounded: for a matrix that is not finite the decomposition would not end.
-        let eigenvalues = Schur::try_new(slopes, f64::EPSILON, 10_000)?.complex_eigenvalues();
+        let eigenvalues =
+            Schur::try_new(self.slopes(), f64::EPSILON, 10_000)?.complex_eigenvalues();
         let largest = eigenvalues.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
         let size = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
         let stability = match largest {
@@ -216,10 +268,12 @@ impl<'e> StillState<'e> {
             _ if largest < 0.0 => Stability::Stable,
             _ => Stability::Unstable,
         };
-        let names = model.output_names().into_iter();
-        let values = place.iter().zip(&units.outputs).map(|(value, unit)| value * unit.size);
+        let names = model.output_names();
+        let named = |(number, value): &(usize, f64)| {
+            (names[*number].name.clone(), value * units.outputs[*number].size)
+        };
         Some(SteadySliding {
-            coordinates: names.zip(values).map(|(output, value)| (output.name, value)).collect(),
+            coordinates: place.iter().map(named).collect(),
             largest_real_part_1_s: largest * units.natural_rad_s,
             stability: stability.name(),
         })

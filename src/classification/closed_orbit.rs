@@ -143,7 +143,7 @@ const SHRUNK: f64 = 10.0 * SLOW;
 /// Returns whether an orbit has shrunk to an equilibrium: a motion that swings about one also returns to the section.
 fn is_equilibrium(closed: &Closed) -> bool {
     let ReturnMap { section, view, .. } = closed.map;
-    let rates = view.evaluator.rates(&section.phases, &closed.state);
+    let rates = view.remaining_rates(&section.phases, &closed.state);
     rates.iter().all(|rate| rate.abs() <= SHRUNK)
 }
 
@@ -153,7 +153,7 @@ fn is_point(closed: &Closed, orbit: &Orbit) -> bool {
     let ReturnMap { section, view, turns, .. } = closed.map;
     let layout = &view.evaluator.graph().layout;
     let time = orbit.period / (TAU * turns as f64);
-    let rates = view.evaluator.rates(&section.phases, &closed.state);
+    let rates = view.remaining_rates(&section.phases, &closed.state);
     // Of a small oscillation, these are the amplitudes of the positions.
     let sizes = rates.iter().enumerate().map(|(place, rate)| {
         let is_velocity = layout.velocities.iter().flatten().any(|of| *of == place);
@@ -168,7 +168,8 @@ fn moves_one_way(closed: &Closed, orbit: &Orbit) -> bool {
     view.contacts.iter().enumerate().any(|(index, contact)| {
         let [low, high] = orbit.position_extremes[index];
         let displaced = orbit.speed[index] * orbit.period - f64::from(orbit.turns[index]) * TAU;
-        let counts = !contact.ignorable && !section.rests[index] && orbit.turns[index] == 0;
+        let counts =
+            !view.translates(contact.position) && !section.rests[index] && orbit.turns[index] == 0;
         counts && high - low > LEAST_WAY && displaced.abs() > DISPLACED * (high - low)
     })
 }

@@ -1,6 +1,9 @@
 //! The latest step of a run in a lane.
 
+use super::section::Marking;
 use super::system_view::{ContactPlace, SystemView};
+use smallvec::SmallVec;
+
 use crate::model::Components;
 use crate::motion::lockstep::{LANES, LaneGroup};
 use crate::motion::{Effort, Hit, Instant, PerContact, Phase, fall_through_zero};
@@ -123,11 +126,18 @@ impl<'a> LaneStep<'a> {
         Some(self.began() + part * length)
     }
 
-    /// Returns the time at which a component passed through a value in the step, like [`LaneStep::passes_through_zero`].
-    pub(super) fn passes_through(&self, component: usize, value: f64) -> Option<f64> {
-        let series = self.group.series(self.lane, component);
-        let within = |after: f64| self.group.value(&series, after) - value;
-        self.passage(within, self.component_at_end(component) - value)
+    /// Returns the time at which a function passed through a value in the step, like [`LaneStep::passes_through_zero`].
+    pub(super) fn passes_through(&self, marking: &Marking, value: f64) -> Option<f64> {
+        let series = marking.components().map(|place| (place, self.group.series(self.lane, place)));
+        let series: SmallVec<[_; 2]> = series.collect();
+        let within = |after: f64| {
+            // The function reads no other components.
+            let of = |place: usize| series.iter().find(|(other, _)| *other == place);
+            let value_of =
+                |place| of(place).map_or(0.0, |(_, series)| self.group.value(series, after));
+            marking.of(value_of) - value
+        };
+        self.passage(within, marking.of(|place| self.component_at_end(place)) - value)
     }
 
     /// Returns the current instant, after a switch at the end of the step.

@@ -253,22 +253,19 @@ impl OrbitWatch {
 
 /// Returns time and state of the passage of a mark in the latest step: the beginning of a period, an angle, or a turning point.
 fn passage_of(mark: SectionMark, step: &LaneStep) -> Option<(f64, Components)> {
-    let (component, value) = mark.component(step.view);
-    let begun = step.component_at_start(component);
+    let marking = mark.marking(step.view);
+    let begun = marking.of(|place| step.component_at_start(place));
     let (target, from_above) = mark.next(step.view, begun);
     if (begun > target) != from_above {
         return None;
     }
-    let time = step.passes_through(component, target)?;
-    let is_resolved = || {
-        let ends = [begun, step.component_at_end(component)];
-        ends.iter().any(|end| (end - target).abs() > RESOLVED)
-    };
-    if !is_resolved() {
+    let end = marking.of(|place| step.component_at_end(place));
+    let time = step.passes_through(&marking, target)?;
+    if [begun, end].iter().all(|end| (end - target).abs() <= RESOLVED) {
         return None;
     }
     let mut state = step.group.state_within(step.lane, time - step.began());
-    state[component] = value;
+    marking.put_on(&mut state);
     Some((time, state))
 }
 

@@ -197,9 +197,9 @@ impl Passages {
 /// Returns a smooth function of a passage, in which all of its coordinates occur. The residual speed of a sticking ball does not
 /// count.
 fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
-    let (marking, _) = mark.component(view);
+    let marking = mark.marking(view).component;
     let smooth = |place: usize, is_angle: bool| {
-        let value = passage.state[place];
+        let value = view.remaining(&passage.state, place);
         if is_angle { libm::sin(value + 1.0) } else { value }
     };
     let of_contact = |(contact, phase): (&ContactPlace, &Phase)| {
@@ -218,8 +218,8 @@ fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
 /// Returns the largest difference of two passages, with angles modulo 2π. If a difference is above [`FAR`], the function may
 /// return this difference instead. The residual speed of a sticking ball does not count.
 fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: SectionMark) -> f64 {
-    let (marking, _) = mark.component(view);
-    let change = |place: usize| a.state[place] - b.state[place];
+    let marking = mark.marking(view).component;
+    let change = |place: usize| view.remaining(&a.state, place) - view.remaining(&b.state, place);
     let mut largest: f64 = 0.0;
     for (contact, phase) in view.contacts.iter().zip(&a.phases) {
         if contact.position != marking && !contact.ignorable {

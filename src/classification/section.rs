@@ -15,9 +15,9 @@ use std::f64::consts::TAU;
 use nalgebra::DVector;
 use smallvec::{SmallVec, smallvec};
 
-use super::system_view::{ContactPlace, SystemView};
+use super::system_view::{ContactPlace, SystemView, any_phases};
 use crate::model::{Components, ForcingLayout, wrap_to_pi};
-use crate::motion::{Direction, Motion, Phase, Phases};
+use crate::motion::{Motion, Phase, Phases};
 
 /// A velocity turns its sign by more than rounding if it has at least this size, non-dimensional, at an end of the step. Where
 /// bodies touch or stick, their relative speeds are zero to rounding.
@@ -26,14 +26,43 @@ pub(super) const RESOLVED: f64 = 1e-9;
 /// The angle that marks a section, rad: no particular one, at which the sliding speed of a mechanism might vanish.
 const MARKED_ANGLE: f64 = 1.0;
 
+/// A function of the state, and its value on a section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Marking {
+    /// The component that is the function, but for a multiple of another component.
+    pub(super) component: usize,
+    less: Option<(usize, f64)>,
+    value: f64,
+}
+
+impl Marking {
+    fn new(component: usize, value: f64) -> Self {
+        Marking { component, less: None, value }
+    }
+
+    /// Gives the function its value on the section in a state.
+    pub(super) fn put_on(&self, state: &mut [f64]) {
+        state[self.component] += self.value - self.of(|place| state[place]);
+    }
+
+    /// Returns the components that the function reads.
+    pub(super) fn components(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(self.component).chain(self.less.map(|(place, _)| place))
+    }
+
+    /// Returns the function of a state with these components.
+    pub(super) fn of(&self, component: impl Fn(usize) -> f64) -> f64 {
+        component(self.component) - self.less.map_or(0.0, |(place, by)| by * component(place))
+    }
+}
+
 /// What marks a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum SectionMark {
     /// A contact passes through the angle 0 in this direction. `may_stop` states whether it may stop or turn back on its way.
     Round { contact: usize, direction: f64, may_stop: bool },
-    /// A position, of this contact if it is one, turns back where this component of the state, its velocity or sliding speed,
-    /// falls, or else rises, through this value.
-    TurningPoint { contact: Option<usize>, component: usize, value: f64, falls: bool },
+    /// A position, of this contact if it is one, turns back where its velocity or sliding speed falls, or else rises, through a value.
+    TurningPoint { contact: Option<usize>, speed: Marking, falls: bool },
     /// This component, an angle, grows, or else falls, through [`MARKED_ANGLE`], modulo one turn.
     Angle { component: usize, grows: bool },
     /// A period of the forcing begins.
@@ -50,19 +79,21 @@ impl SectionMark {
         }
     }
 
-    /// Returns the component that marks the section, and its value there.
-    pub(super) fn component(self, view: &SystemView) -> (usize, f64) {
+    /// Returns the function that marks the section.
+    pub(super) fn marking(self, view: &SystemView) -> Marking {
         match self {
-            SectionMark::Round { contact, .. } => (view.contacts[contact].position, 0.0),
-            SectionMark::TurningPoint { component, value, .. } => (component, value),
-            SectionMark::Angle { component, .. } => (component, MARKED_ANGLE),
-            SectionMark::Period(forcing) => (forcing.component, 0.0),
+            SectionMark::Round { contact, .. } => {
+                Marking::new(view.contacts[contact].position, 0.0)
+            }
+            SectionMark::TurningPoint { speed, .. } => speed,
+            SectionMark::Angle { component, .. } => Marking::new(component, MARKED_ANGLE),
+            SectionMark::Period(forcing) => Marking::new(forcing.component, 0.0),
         }
     }
 
-    /// Returns the value through which its component passes next, and whether from above.
+    /// Returns the value through which its function passes next, and whether from above.
     pub(super) fn next(self, view: &SystemView, from: f64) -> (f64, bool) {
-        let (_, value) = self.component(view);
+        let value = self.marking(view).value;
         let after = |period: f64| value + period * (((from - value) / period).floor() + 1.0);
         let before = |period: f64| value + period * (((from - value) / period).ceil() - 1.0);
         match self {
@@ -75,6 +106,21 @@ impl SectionMark {
     }
 }
 
+/// A coordinate on a section: a component without multiples of the pivots of translations.
+#[derive(Clone, Debug)]
+struct SectionCoordinate {
+    component: usize,
+    less: Vec<(usize, f64)>,
+    is_angle: bool,
+}
+
+impl SectionCoordinate {
+    /// Returns the multiples of the pivots in a state.
+    fn carried(&self, state: &[f64]) -> f64 {
+        self.less.iter().map(|(pivot, by)| by * state[*pivot]).sum()
+    }
+}
+
 /// A section and the contacts' phases there.
 #[derive(Clone, Debug)]
 pub(super) struct Section {
@@ -84,10 +130,10 @@ pub(super) struct Section {
     pub(super) phases: Phases,
     /// Which contacts rest throughout the orbit.
     pub(super) rests: SmallVec<[bool; 8]>,
-    /// The component that marks the section, and its value there.
-    marking: (usize, f64),
-    /// The components that are the coordinates, and whether they are angles.
-    coordinates: Vec<(usize, bool)>,
+    /// The function that marks the section.
+    marking: Marking,
+    /// The coordinates.
+    coordinates: Vec<SectionCoordinate>,
     /// The components of the contacts that touch another one: position or speed, that of the contact that it follows, and
     /// whether it is a position.
     followers: Vec<(usize, usize, bool)>,
@@ -103,7 +149,8 @@ impl Section {
         rests: SmallVec<[bool; 8]>,
     ) -> Self {
         let mut followers = Vec::new();
-        let marking = mark.component(view);
+        let marking = mark.marking(view);
+        let marked = marking.component;
         let following = view.followers(phases, mark.contact());
         for (follower, leader) in &following {
             let (follower, leader) = (view.contacts[*follower], view.contacts[*leader]);
@@ -117,7 +164,7 @@ impl Section {
             contacts.any(|(contact, rests)| *rests && contact.driven == Some(*place))
         };
         let free = view.returning.iter();
-        let free = free.filter(|place| **place != marking.0 && !driven(place));
+        let free = free.filter(|place| **place != marked && !driven(place));
         let mut coordinates: Vec<_> = free.map(|place| (*place, view.is_angle(*place))).collect();
         for (index, contact) in view.contacts.iter().enumerate() {
             if following.iter().any(|(follower, _)| *follower == index) {
@@ -126,7 +173,7 @@ impl Section {
             // Several contacts may have the speed and the position of one body.
             let is_new = |coordinates: &[(usize, bool)], place: usize| {
                 let known = coordinates.iter().any(|(other, _)| *other == place);
-                place != marking.0 && !known && !driven(&place)
+                place != marked && !known && !driven(&place)
             };
             if phases[index] != Phase::Stick {
                 let speed = contact.speed.filter(|speed| is_new(&coordinates, *speed));
@@ -141,12 +188,16 @@ impl Section {
                 coordinates.push((contact.position, contact.angular));
             }
         }
+        let coordinate = |(component, is_angle)| {
+            let less = view.translations_of(component).collect();
+            SectionCoordinate { component, less, is_angle }
+        };
         Section {
             mark,
             phases: phases.iter().copied().collect(),
             rests,
             marking,
-            coordinates,
+            coordinates: coordinates.into_iter().map(coordinate).collect(),
             followers,
             dimension: view.dimension(),
         }
@@ -154,16 +205,18 @@ impl Section {
 
     /// The coordinates of a state, or of a perturbation.
     pub(super) fn coordinates(&self, state: &[f64]) -> DVector<f64> {
-        let values = self.coordinates.iter().map(|(place, _)| state[*place]);
-        DVector::from_iterator(self.coordinates.len(), values)
+        let value = |coordinate: &SectionCoordinate| {
+            state[coordinate.component] - coordinate.carried(state)
+        };
+        DVector::from_iterator(self.coordinates.len(), self.coordinates.iter().map(value))
     }
 
     /// Returns the state with these coordinates; the other variables are those of `like`, and the
-    /// marking component has its value.
+    /// marking function has its value.
     pub(super) fn state(&self, like: &[f64], coordinates: &DVector<f64>) -> Components {
         let mut state = Components::from_slice(like);
-        for ((place, _), value) in self.coordinates.iter().zip(coordinates.iter()) {
-            state[*place] = *value;
+        for (coordinate, value) in self.coordinates.iter().zip(coordinates.iter()) {
+            state[coordinate.component] = value + coordinate.carried(like);
         }
         self.put_on(&mut state);
         for (follower, leader, is_position) in &self.followers {
@@ -173,10 +226,9 @@ impl Section {
         state
     }
 
-    /// Gives the marking component its value.
+    /// Gives the marking function its value.
     pub(super) fn put_on(&self, state: &mut [f64]) {
-        let (component, value) = self.marking;
-        state[component] = value;
+        self.marking.put_on(state);
     }
 
     /// Returns whether contacts may have these phases in a motion that comes back. Contacts that rest must stick. A contact that
@@ -195,18 +247,18 @@ impl Section {
 
     /// Returns time and state of a passage through the section in the latest step of a motion.
     pub(super) fn passage(&self, view: &SystemView, motion: &Motion) -> Option<(f64, Components)> {
-        let (component, _) = self.marking;
+        let marked = |state: &[f64]| self.marking.of(|place| state[place]);
         match self.mark {
             SectionMark::Round { contact, direction, .. } => motion
                 .passage(contact)
                 .filter(|(_, state)| direction * motion.evaluator().speeds(state)[contact] > 0.0),
             mark => {
-                let begun = motion.within_last_step(motion.last_step_began())?[component];
+                let begun = marked(&motion.within_last_step(motion.last_step_began())?);
                 let (target, from_above) = mark.next(view, begun);
                 let sign = if from_above { 1.0 } else { -1.0 };
                 let (time, mut state) =
-                    motion.falls_through_zero(|state| sign * (state[component] - target))?;
-                let end = motion.within_last_step(motion.time())?[component];
+                    motion.falls_through_zero(|state| sign * (marked(state) - target))?;
+                let end = marked(&motion.within_last_step(motion.time())?);
                 let is_resolved = !matches!(mark, SectionMark::TurningPoint { .. })
                     || [begun, end].iter().any(|end| (end - target).abs() > RESOLVED);
                 if matches!(mark, SectionMark::Period(_)) {
@@ -217,16 +269,13 @@ impl Section {
         }
     }
 
-    /// Returns the number of positions at whose other values the motion would also repeat: those of contacts that rest, and positions
-    /// that occur in no equation.
+    /// Returns the number of independent displacements after which the motion would also repeat: of contacts that rest, and
+    /// translations that no equation notices.
     pub(super) fn neutral_directions(&self, view: &SystemView) -> usize {
         let rests = |index: usize| self.rests[index] && view.contacts[index].holds();
-        let contacts = view.contacts.iter().enumerate();
-        let neutral = contacts.filter(|(index, contact)| rests(*index) || contact.ignorable);
-        let mut positions: Vec<usize> = neutral.map(|(_, contact)| contact.position).collect();
-        let marks = |place: usize| place == self.marking.0;
-        let unread = view.free.iter().filter(|place| !view.returning.contains(place));
-        positions.extend(unread.filter(|place| !marks(**place)));
+        let contacts = view.contacts.iter().enumerate().filter(|(index, _)| rests(*index));
+        let mut positions: Vec<usize> = contacts.map(|(_, contact)| contact.position).collect();
+        positions.extend(view.pivots().filter(|place| *place != self.marking.component));
         positions.sort_unstable();
         positions.dedup();
         positions.len()
@@ -234,9 +283,10 @@ impl Section {
 
     /// Unit perturbations along the coordinates.
     pub(super) fn directions(&self) -> Vec<Components> {
-        let unit = |(place, _): &(usize, bool)| {
+        let unit = |coordinate: &SectionCoordinate| {
             let mut direction: Components = smallvec![0.0; self.dimension];
-            direction[*place] = 1.0;
+            direction[coordinate.component] = 1.0;
+            direction[self.marking.component] -= self.marking.of(|place| direction[place]);
             for (follower, leader, _) in &self.followers {
                 direction[*follower] = direction[*leader];
             }
@@ -248,16 +298,17 @@ impl Section {
     /// Returns the projection on the section of a perturbation of the motion, in a state with this
     /// time derivative: neighbours reach the section slightly earlier or later.
     pub(super) fn on_section(&self, perturbation: &[f64], rate: &[f64]) -> DVector<f64> {
-        let (component, _) = self.marking;
-        let late = perturbation[component] / rate[component];
+        let [perturbed, passing] =
+            [perturbation, rate].map(|of| self.marking.of(|place| of[place]));
+        let late = perturbed / passing;
         self.coordinates(perturbation) + self.coordinates(rate) * -late
     }
 
     /// The difference of two states' coordinates, angles modulo 2π.
     pub(super) fn difference(&self, left: &[f64], right: &[f64]) -> DVector<f64> {
         let mut difference = self.coordinates(left) - self.coordinates(right);
-        for ((_, angular), value) in self.coordinates.iter().zip(difference.iter_mut()) {
-            if *angular {
+        for (coordinate, value) in self.coordinates.iter().zip(difference.iter_mut()) {
+            if coordinate.is_angle {
                 *value = wrap_to_pi(*value);
             }
         }
@@ -288,22 +339,35 @@ fn turning_points(view: &SystemView) -> Vec<SectionMark> {
     let both = velocities.flat_map(|component| [true, false].map(|falls| (*component, falls)));
     both.map(|(component, falls)| {
         let contact = view.contacts.iter().position(|contact| contact.speed == Some(component));
-        SectionMark::TurningPoint {
-            contact,
-            component,
-            value: smooth_speed(view, component, 0.0),
-            falls,
-        }
+        let at_rest = || Marking::new(component, smooth_speed(view, component, 0.0));
+        let speed = relative_speed(view, component).unwrap_or_else(at_rest);
+        SectionMark::TurningPoint { contact, speed, falls }
     })
     .collect()
+}
+
+/// Returns the speed of a position relative to a translation that carries it along: of a block that a spring pulls at a constant speed,
+/// its speed less that of the spring's end. `component` is the velocity of the position.
+fn relative_speed(view: &SystemView, component: usize) -> Option<Marking> {
+    let position =
+        (0..view.dimension()).find(|place| view.velocity_of(*place) == Some((component, 1.0)))?;
+    let mut carriers = view.translations_of(position).filter(|(pivot, _)| *pivot != position);
+    let ((pivot, by), None) = (carriers.next()?, carriers.next()) else { return None };
+    match view.velocity_of(pivot) {
+        Some((velocity, factor)) => {
+            Some(Marking { component, less: Some((velocity, by * factor)), value: 0.0 })
+        }
+        None => {
+            let rate = view.constant_rate(pivot)?;
+            Some(Marking::new(component, by * rate))
+        }
+    }
 }
 
 /// Returns the marks at the maxima of positions. The contact must slip there: the speed of its position differs from its
 /// sliding speed, always by the same amount, as on a belt.
 fn maxima(view: &SystemView) -> Vec<SectionMark> {
-    let phases = Phases::from_elem(Phase::Slip(Direction::Forward), view.contacts.len());
-    let gaps = view.evaluator.graph().gaps.len();
-    let phases: Phases = phases.into_iter().chain((0..gaps).map(|_| Phase::Open)).collect();
+    let phases = any_phases(view.evaluator.graph());
     let probe = |scale: f64| -> Vec<f64> {
         (0..view.dimension()).map(|component| scale * (0.3 + 0.07 * component as f64)).collect()
     };
@@ -315,8 +379,8 @@ fn maxima(view: &SystemView) -> Vec<SectionMark> {
         });
         let same = (first - second).abs() <= 1e-12 * first.abs();
         let value = smooth_speed(view, component, first);
-        let mark =
-            SectionMark::TurningPoint { contact: Some(contact), component, value, falls: true };
+        let speed = Marking::new(component, value);
+        let mark = SectionMark::TurningPoint { contact: Some(contact), speed, falls: true };
         (same && first != 0.0).then_some(mark)
     };
     view.contacts.iter().enumerate().filter_map(mark).collect()

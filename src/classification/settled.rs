@@ -19,7 +19,7 @@ use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 use super::held_bodies::{friction_margin, held_margin};
 use super::rest_in_touch::at_rest;
 use super::system_view::SystemView;
-use crate::model::Friction;
+use crate::model::{Friction, Translation};
 use crate::motion::{Phase, lies};
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
@@ -75,7 +75,7 @@ impl SettledWatch {
             self.slow_since = None;
             return held_margin(view, phases, state).map(|_| RestKind::Held);
         }
-        let rates = view.evaluator.rates(phases, state);
+        let rates = view.remaining_rates(phases, state);
         if !rates.iter().all(|rate| rate.abs() <= SLOW) {
             self.slow_since = None;
             return None;
@@ -90,7 +90,7 @@ impl SettledWatch {
 }
 
 /// Returns whether every contact sticks, slides without dry friction or far from stopping, or is far from closing. Where all
-/// contacts stick, other evidence decides.
+/// contacts stick, other evidence decides, unless bodies may roll on and on.
 fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     let resting = at_rest(view, phases, state);
     let gaps = view.evaluator.openings(|component| state[component]);
@@ -111,8 +111,9 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
         Phase::Open | Phase::Closed => true,
     };
     let contacts = &resting[..view.contacts.len()];
-    !(contacts.iter().all(sticks) && contacts.iter().any(sticks))
-        && resting.iter().enumerate().all(lasts)
+    let all_stick = contacts.iter().all(sticks) && contacts.iter().any(sticks);
+    let may_roll = || view.pivots().any(|pivot| view.free.contains(&pivot));
+    (!all_stick || may_roll()) && resting.iter().enumerate().all(lasts)
 }
 
 /// A system whose contacts keep their phases, with one variable for each independent component of the state.
@@ -121,6 +122,8 @@ struct ReducedCoordinates<'a> {
     phases: &'a [Phase],
     /// The components that are the variables.
     variables: Vec<usize>,
+    /// The translations that move no contact that sticks.
+    translations: Vec<&'a Translation>,
     /// The components that keep their distance from another one: contacts that touch.
     following: Vec<(usize, usize, f64)>,
     /// The state, with the components that contacts hold.
@@ -143,18 +146,34 @@ impl<'a> ReducedCoordinates<'a> {
         let places =
             |contact: usize| [Some(view.contacts[contact].position), graph.held_component(contact)];
         let held: Vec<usize> = stuck.flat_map(places).flatten().collect();
+        let moves_none = |one: &&Translation| !held.iter().any(|place| one.displaces(*place));
+        let translations: Vec<_> = view.translations.iter().filter(moves_none).collect();
         let is_free = |place: &usize| {
-            following.iter().all(|(follower, ..)| follower != place) && !held.contains(place)
+            let is_following = following.iter().any(|(follower, ..)| follower == place);
+            let is_pivot = translations.iter().any(|one| one.pivot == *place);
+            !is_following && !held.contains(place) && !is_pivot
         };
         let variables = (0..view.dimension()).filter(is_free).collect();
-        ReducedCoordinates { view, phases, variables, following, held: state.to_vec() }
+        ReducedCoordinates {
+            view,
+            phases,
+            variables,
+            translations,
+            following,
+            held: state.to_vec(),
+        }
+    }
+
+    /// Returns the displacement of a component by the translations.
+    fn carried(&self, state: &[f64], component: usize) -> f64 {
+        self.translations.iter().map(|one| one.of(component) * state[one.pivot]).sum()
     }
 
     /// Returns the variables of a state.
     fn of_state(&self, state: &[f64]) -> DVector<f64> {
         DVector::from_iterator(
             self.variables.len(),
-            self.variables.iter().map(|place| state[*place]),
+            self.variables.iter().map(|place| state[*place] - self.carried(state, *place)),
         )
     }
 
@@ -162,7 +181,7 @@ impl<'a> ReducedCoordinates<'a> {
     fn state(&self, variables: &DVector<f64>) -> Vec<f64> {
         let mut state = self.held.clone();
         for (place, value) in self.variables.iter().zip(variables.iter()) {
-            state[*place] = *value;
+            state[*place] = value + self.carried(&self.held, *place);
         }
         for (follower, leader, apart) in &self.following {
             state[*follower] = state[*leader] + apart;
@@ -255,8 +274,12 @@ fn family_dimension(reduced: &ReducedCoordinates, slope: &DMatrix<f64>) -> Optio
     let places = (0..reduced.variables.len()).filter(is_position);
     let columns: Option<Vec<DVector<f64>>> =
         places.map(|place| slope.column(place).into_owned().try_normalize(LEAST_FORCE)).collect();
+    let columns = columns?;
+    if columns.is_empty() {
+        return Some(0);
+    }
     let decomposed =
-        SVD::try_new(DMatrix::from_columns(&columns?), false, false, f64::EPSILON, 10_000)?;
+        SVD::try_new(DMatrix::from_columns(&columns), false, false, f64::EPSILON, 10_000)?;
     Some(decomposed.singular_values.iter().filter(|value| **value <= NO_FORCE).count())
 }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::derived_rest::DerivedRest;
-use crate::model::{Components, RestForms, System, wrap_to_two_pi};
-use crate::motion::{Evaluator, PerContact, Phase};
+use crate::model::{Components, Graph, RestForms, System, Translation, wrap_to_two_pi};
+use crate::motion::{Direction, Evaluator, PerContact, Phase, Phases};
 
 /// A system as the classification sees it.
 #[derive(Clone, Debug)]
@@ -14,8 +14,10 @@ pub(super) struct SystemView {
     pub(super) free: Vec<usize>,
     /// Those of them that are angles with a period of one turn.
     angles: Vec<usize>,
-    /// Those of them that return in a motion that repeats: they occur in an equation.
+    /// Those of them that return in a motion that repeats: all but the pivots of translations.
     pub(super) returning: Vec<usize>,
+    /// The translations that no equation notices.
+    pub(super) translations: Vec<Translation>,
     /// The components of the contacts.
     pub(super) contacts: Vec<ContactPlace>,
     /// The displacement whose amplitude is measured, and its velocity, if the system has one.
@@ -37,7 +39,7 @@ pub(super) struct ContactPlace {
     pub(super) driven: Option<usize>,
     /// Whether the position is an angle.
     pub(super) angular: bool,
-    /// Whether nothing depends on the position, so that a motion repeats also at another one.
+    /// Whether the position is the pivot of a translation that no equation notices, so that a motion repeats also at another one.
     pub(super) ignorable: bool,
 }
 
@@ -52,12 +54,14 @@ impl SystemView {
     pub(super) fn new(evaluator: Evaluator) -> Self {
         let graph = evaluator.graph();
         let layout = &graph.layout;
+        let translations = graph.translations(|| evaluator.inputs(&any_phases(graph)));
+        let is_pivot = |place: usize| translations.iter().any(|one| one.pivot == place);
         let place = |(contact, layout): (usize, &crate::model::ContactLayout)| ContactPlace {
             position: layout.position,
             speed: graph.speed_component(contact),
             driven: graph.driven_component(contact),
             angular: layout.angular,
-            ignorable: graph.may_creep(layout),
+            ignorable: is_pivot(layout.position),
         };
         let contacts: Vec<_> = layout.contacts.iter().enumerate().map(place).collect();
         let is_free = |component: &usize| {
@@ -67,7 +71,7 @@ impl SystemView {
             !contacts.iter().any(has)
         };
         let free: Vec<usize> = (0..graph.derivative.len()).filter(is_free).collect();
-        let returning = free.iter().copied().filter(|place| graph.reads(*place)).collect();
+        let returning = free.iter().copied().filter(|place| !is_pivot(*place)).collect();
         let angles = layout.angles.clone();
         let velocity = layout.velocities.first();
         let vibration = layout
@@ -80,6 +84,7 @@ impl SystemView {
             free,
             angles,
             returning,
+            translations,
             contacts,
             vibration,
             evaluator,
@@ -119,14 +124,46 @@ impl SystemView {
     pub(super) fn marking_angles(&self) -> Vec<usize> {
         let angular = self.contacts.iter().filter(|contact| contact.angular);
         let have_speeds = angular.clone().all(|contact| contact.speed.is_some());
-        if self.angles.is_empty() && have_speeds {
+        // An angle with which other components may be translated is no phase of the motion.
+        let is_alone = |place: &&usize| {
+            let turns = |translation: &Translation| {
+                !translation.others.is_empty() && translation.displaces(**place)
+            };
+            !self.translations.iter().any(turns)
+        };
+        let free: Vec<usize> = self.angles.iter().filter(is_alone).copied().collect();
+        if free.is_empty() && have_speeds {
             return Vec::new();
         }
         let mut all: Vec<_> = angular.map(|contact| contact.position).collect();
-        all.extend(&self.angles);
+        all.extend(free);
         all.sort_unstable();
         all.dedup();
         all
+    }
+
+    /// Returns the component that is the rate of change of another one, times a factor.
+    pub(super) fn velocity_of(&self, component: usize) -> Option<(usize, f64)> {
+        let velocities = self.evaluator.graph().layout.velocities.iter().flatten();
+        let rate = self.rate_of(component);
+        let mut changing =
+            velocities.map(|velocity| (*velocity, rate(Some(*velocity)) - rate(None)));
+        changing.find(|(_, factor)| *factor != 0.0).filter(|_| rate(None) == 0.0)
+    }
+
+    /// Returns the rate of change of a component that grows at a constant rate, as the time does.
+    pub(super) fn constant_rate(&self, component: usize) -> Option<f64> {
+        self.evaluator.graph().is_clock(component).then(|| self.rate_of(component)(None))
+    }
+
+    /// Returns a function that gives the rate of change of a component in a state in which one component is 1 and all others are 0.
+    fn rate_of(&self, component: usize) -> impl Fn(Option<usize>) -> f64 {
+        let phases = any_phases(self.evaluator.graph());
+        move |one| {
+            let mut state = vec![0.0; self.dimension()];
+            one.into_iter().for_each(|place| state[place] = 1.0);
+            self.evaluator.rates(&phases, &state)[component]
+        }
     }
 
     /// Returns whether a component without contact is an angle.
@@ -134,9 +171,40 @@ impl SystemView {
         self.angles.contains(&component)
     }
 
-    /// Returns whether a contact may move on and on: it revolves, or nothing depends on its position.
+    /// Returns whether a contact may move on and on: it revolves, or a translation that no equation notices displaces it.
     pub(super) fn moves_on(&self) -> bool {
-        self.contacts.iter().any(|contact| contact.angular || contact.ignorable)
+        let moves_on =
+            |contact: &ContactPlace| contact.angular || self.translates(contact.position);
+        self.contacts.iter().any(moves_on)
+    }
+
+    /// Returns whether a translation that no equation notices displaces a component.
+    pub(super) fn translates(&self, component: usize) -> bool {
+        self.evaluator.graph().translates(component)
+    }
+
+    /// Returns a component without its displacement by the translations in which the pivots are displaced as in `state`; 0 for a pivot.
+    /// In a motion that repeats, this returns.
+    pub(super) fn remaining(&self, state: &[f64], component: usize) -> f64 {
+        let carried = self.translations_of(component).map(|(pivot, by)| by * state[pivot]);
+        state[component] - carried.sum::<f64>()
+    }
+
+    /// Returns the rates of change without those of translations.
+    pub(super) fn remaining_rates(&self, phases: &[Phase], state: &[f64]) -> Components {
+        let rates = self.evaluator.rates(phases, state);
+        (0..rates.len()).map(|component| self.remaining(&rates, component)).collect()
+    }
+
+    /// Returns the pivots of the translations that displace a component, and by how much; a pivot displaces itself by 1.
+    pub(super) fn translations_of(&self, component: usize) -> impl Iterator<Item = (usize, f64)> {
+        let each = self.translations.iter().map(move |one| (one.pivot, one.of(component)));
+        each.filter(|(_, by)| *by != 0.0)
+    }
+
+    /// Returns the pivots of the independent translations that no equation notices.
+    pub(super) fn pivots(&self) -> impl Iterator<Item = usize> {
+        self.translations.iter().map(|translation| translation.pivot)
     }
 
     /// Returns the contacts that touch another one and move with it, each with the contact that it follows: the contact
@@ -241,4 +309,11 @@ impl SystemView {
         self.vibration
             .map_or(0.0, |[x, y, x_dot, y_dot]| state[x] * state[x_dot] + state[y] * state[y_dot])
     }
+}
+
+/// Returns phases that contacts and gaps may have.
+pub(super) fn any_phases(graph: &Graph) -> Phases {
+    let mut phases = Phases::from_elem(Phase::Slip(Direction::Forward), graph.contacts.len());
+    phases.resize(phases.len() + graph.gaps.len(), Phase::Open);
+    phases
 }

@@ -225,7 +225,8 @@ impl Evaluator {
         values
     }
 
-    pub(super) fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
+    /// Returns the values of the inputs.
+    pub(crate) fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
         let modes: SmallVec<[_; 8]> = phases.iter().map(|phase| phase.mode()).collect();
         self.system.inputs(&modes)
     }

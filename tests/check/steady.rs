@@ -83,3 +83,30 @@ fn angles_are_within_one_turn() {
     let sixth = std::f64::consts::PI / 6.0;
     assert!((first - sixth).abs() < 1e-9 && (second - 5.0 * sixth).abs() < 1e-9, "{found:?}");
 }
+
+/// A spring pulls a block at a constant speed, from rest. Steady sliding is stable above the speed at which the slope of the friction law equals
+/// the damping; small motions grow at half of the difference.
+#[test]
+fn a_pulled_block_slides_steadily_above_its_critical_speed() {
+    let text = "schema: 1\nname: a\nseed: 1\nmodel:\n  system:\n    system: a\n    parameters: {m: 1 kg, k: 100 N/m, c: 1 N s/m, v: 1 m/s, load: 10 N}\n    \
+                coordinates: {x: {unit: m, start: [-0.1, 0.1]}}\n    mass: {x: {x: m}}\n    force: {x: \"k * (v * t - x) + c * (v - x')\"}\n    \
+                contacts: {table: {normal: load, sliding: x', friction: {stribeck: {coefficient: 0.2, static_coefficient: 0.4, stribeck_speed: 0.1 m/s}}}}\n\
+                sweep: [{grid: {v_m_s: [0.02, 0.1, 0.29, 0.31, 2]}}]\ninitial_conditions: {design: {monte_carlo: {samples: 2}}}\n";
+    let found = states_of(&parse(text));
+    for (states, speed) in found.iter().zip([0.02_f64, 0.1, 0.29, 0.31, 2.0]) {
+        let [sliding] = &states.as_ref().expect("they are sought").sliding[..] else {
+            panic!("{states:?}")
+        };
+        assert!((sliding.coordinates["x_rate_m_s"] - speed).abs() < 1e-9, "{sliding:?}");
+        assert!(sliding.coordinates.len() == 1, "{sliding:?}");
+        assert_eq!(
+            sliding.stability,
+            if speed < 0.1 * 20_f64.ln() { "unstable" } else { "stable" }
+        );
+        let rate = 0.5 * (20.0 * (-speed / 0.1).exp() - 1.0);
+        // Above 10 rad/s, small motions do not oscillate.
+        if rate < 10.0 {
+            assert!((sliding.largest_real_part_1_s - rate).abs() < 1e-9, "{sliding:?} {rate}");
+        }
+    }
+}

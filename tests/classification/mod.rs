@@ -35,6 +35,7 @@ mod settled;
 mod shared_loads;
 pub mod simulate_all;
 mod stages;
+mod steady_motion;
 mod step_limit;
 mod sudden_forces;
 mod system_units;

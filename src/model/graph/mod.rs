@@ -6,7 +6,7 @@
 //! Read `node` first: the operations of a graph. A [`Recorder`] collects nodes, and an [`Expression`] adds one with
 //! each operator and has derivatives. `quantities` gives a system its inputs, its components of the state and its
 //! unknowns. `equations` lists what a system returns, `part` evaluates some of its results alone, and `recorded` makes the
-//! [`Graph`]. `degree` examines the graph, and `per_structure` keeps what is computed once for all systems with equal
+//! [`Graph`]. `degree` and `translation` examine the graph, and `per_structure` keeps what is computed once for all systems with equal
 //! equations.
 
 mod degree;
@@ -18,6 +18,7 @@ mod per_structure;
 mod quantities;
 mod recorded;
 mod recorder;
+mod translation;
 
 pub use degree::Degree;
 pub use equations::{
@@ -31,3 +32,4 @@ pub(crate) use per_structure::PerStructure;
 pub use per_structure::Structure;
 pub use recorded::Graph;
 pub use recorder::Recorder;
+pub use translation::Translation;

@@ -4,7 +4,7 @@ use super::part::needed_by;
 use super::recorder::Recording;
 use super::{
     ContactEquations, ContactLayout, Event, EventEquations, GapEquations, GraphPart, Node, NodeId,
-    Opening, OpeningEquations, Recorder, Solve, StateLayout, SystemEquations,
+    Opening, OpeningEquations, Recorder, Solve, StateLayout, SystemEquations, Translation,
 };
 
 /// The recorded equations of a system.
@@ -34,8 +34,8 @@ pub struct Graph {
     pub layout: StateLayout,
     /// The nodes that depend on unknowns of linear systems and that rates and openings need, operands first.
     pub(crate) rates_with_unknowns: Vec<NodeId>,
-    /// Whether each component of the state occurs in an equation.
-    is_read: Vec<bool>,
+    /// The translations that no equation notices, whatever the parameters are, with examples of their factors.
+    translations: Vec<Translation>,
     /// The sliding speed of each contact.
     pub(crate) sliding_speeds: GraphPart,
     /// The gap, the opening speed and the sliding speed of each opening, one after another.
@@ -54,7 +54,9 @@ impl Graph {
         let mut nodes = self.depending_on(|node| matches!(node, Node::Solution { .. }));
         nodes.retain(|node| is_needed[*node as usize]);
         self.rates_with_unknowns = nodes;
-        self.is_read = self.components_read();
+        // No coefficient is zero, and no two are equal, at these values.
+        let generic = (1..=self.inputs.len()).map(|input| libm::sqrt(2.0 + input as f64));
+        self.translations = self.find_translations(&generic.collect::<Vec<_>>());
         self
     }
 
@@ -63,7 +65,7 @@ impl Graph {
         GraphPart::of(&self.nodes, &self.solves, results)
     }
 
-    fn needed_by(&self, results: impl Iterator<Item = NodeId>) -> Vec<bool> {
+    pub(super) fn needed_by(&self, results: impl Iterator<Item = NodeId>) -> Vec<bool> {
         needed_by(&self.nodes, &self.solves, results)
     }
 
@@ -79,32 +81,27 @@ impl Graph {
 
     /// Returns whether a contact may creep: its position, which is no angle, occurs in no equation.
     pub fn may_creep(&self, contact: &ContactLayout) -> bool {
-        !contact.angular && !self.reads(contact.position)
+        let is_its = |translation: &Translation| {
+            translation.pivot == contact.position && translation.others.is_empty()
+        };
+        self.translations.iter().any(is_its)
     }
 
-    /// Returns whether a component of the state occurs in an equation.
-    pub fn reads(&self, component: usize) -> bool {
-        self.is_read.get(component).is_some_and(|is_read| *is_read)
+    /// Returns the translations that no equation notices at these values of the inputs.
+    pub fn translations(&self, inputs: impl FnOnce() -> Vec<f64>) -> Vec<Translation> {
+        let has_factors =
+            self.translations.iter().any(|translation| !translation.others.is_empty());
+        if has_factors { self.find_translations(&inputs()) } else { self.translations.clone() }
     }
 
-    /// Returns which components of the state occur in equations.
-    fn components_read(&self) -> Vec<bool> {
-        let resets = self.events.iter().flat_map(|event| &event.reset).map(|(_, value)| value);
-        let results = (self.derivative.iter())
-            .chain(self.contacts.iter().flatten())
-            .chain(self.gaps.iter().flatten())
-            .chain(self.openings.iter().map(|opening| &opening.gap))
-            .chain(self.events.iter().map(|event| &event.guard))
-            .chain(resets);
-        let mut is_read = vec![false; self.derivative.len()];
-        for (node, needed) in self.nodes.iter().zip(self.needed_by(results.copied())) {
-            if let (Node::State(component), true) = (node, needed)
-                && let Some(is_read) = is_read.get_mut(*component as usize)
-            {
-                *is_read = true;
-            }
-        }
-        is_read
+    /// Returns whether there are translations that no equation notices, whatever the parameters are.
+    pub(crate) fn has_translations(&self) -> bool {
+        !self.translations.is_empty()
+    }
+
+    /// Returns whether a translation that no equation notices displaces a component.
+    pub(crate) fn translates(&self, component: usize) -> bool {
+        self.translations.iter().any(|translation| translation.displaces(component))
     }
 
     /// Returns the component that is the sliding speed of a contact, if it is one component.
@@ -177,6 +174,11 @@ impl Graph {
         }
     }
 
+    /// Returns whether a component grows at a constant rate, as the time does.
+    pub(crate) fn is_clock(&self, component: usize) -> bool {
+        self.depends_at_most_on(self.derivative[component], &[])
+    }
+
     /// Returns whether a node depends on no other components of the state than these.
     fn depends_at_most_on(&self, node: NodeId, these: &[usize]) -> bool {
         let mut open = vec![node];
@@ -233,7 +235,7 @@ impl Recorder {
             openings,
             layout: equations.layout.clone(),
             rates_with_unknowns: Vec::new(),
-            is_read: Vec::new(),
+            translations: Vec::new(),
             sliding_speeds: GraphPart::default(),
             opening_speeds: GraphPart::default(),
         }

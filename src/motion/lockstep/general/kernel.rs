@@ -408,10 +408,12 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     #[inline(always)]
     fn still(&self, workspace: &Self::Workspace) -> u64 {
         let mut most = Lanes::splat(self.simd, 0.0);
-        for &rate in &self.program.operations.rates {
+        for &rate in &self.program.operations.settling {
             most = most.max(workspace.series().of(rate)[0].abs());
         }
-        most.simd_le(Lanes::splat(self.simd, STILL)).to_bitmask() & !self.stuck
+        // Bodies that roll on and on come to a steady motion in which all contacts stick.
+        let counts = if self.graph.has_translations() { u64::MAX } else { !self.stuck };
+        most.simd_le(Lanes::splat(self.simd, STILL)).to_bitmask() & counts
     }
 
     fn component(

@@ -109,6 +109,8 @@ pub(super) struct Operations {
     pub(super) slots: usize,
     /// The rate of change of each component; the components themselves are the first slots.
     pub(super) rates: Vec<Slot>,
+    /// The rates that are zero in a steady motion: those of components that no translation of the system displaces.
+    pub(super) settling: Vec<Slot>,
     /// The components whose rates are sums of components with constant factors, such as positions. Their series have
     /// one more coefficient.
     pub(super) kinematic: Vec<(Slot, Vec<(Slot, StaticId)>)>,

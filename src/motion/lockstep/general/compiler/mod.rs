@@ -81,6 +81,8 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
     let one = compiler.statics.add(Static::Constant(1.0));
     let slot = |node: NodeId| compiler.slot_of[node as usize].unwrap_or(0);
     let rates: Vec<Slot> = graph.derivative.iter().map(|&node| slot(node)).collect();
+    let settling = rates.iter().enumerate().filter(|(component, _)| !graph.translates(*component));
+    let settling = settling.map(|(_, rate)| *rate).collect();
     let kinematic = rates.iter().enumerate().filter_map(|(component, &rate)| {
         let terms = match compiler.operation_of(rate) {
             None => vec![(rate, one)],
@@ -101,6 +103,7 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
         discrete: compiler.statics.discrete().collect(),
         kinematic: kinematic.collect(),
         rates,
+        settling,
         contacts: contacts.collect(),
         guards: guards().map(slot).collect(),
         gaps: gaps().map(slot).collect(),

@@ -1,0 +1,190 @@
+//! Systems whose equations contain only differences of positions, or of a position and the time: they turn or slide on and on, steadily
+//! or in stick and slip.
+
+use stickslip::classification::{ClosedOrbit, Evidence, Outcome, simulate};
+use stickslip::model::{Method, OutputValue};
+
+use super::outputs::cases;
+
+/// Returns the outcomes of all runs of a system.
+fn runs(system: &str, samples: usize, end_time_s: f64, method: Method) -> Vec<Outcome> {
+    let with = |mut case: stickslip::model::Case| {
+        case.simulation.method = method;
+        simulate(&case)
+    };
+    cases(system, samples, end_time_s).into_iter().map(with).collect()
+}
+
+/// Returns period and multipliers of a limit cycle.
+#[track_caller]
+fn cycle(outcome: &Outcome) -> (f64, Vec<f64>) {
+    let Evidence::ClosedOrbit(ClosedOrbit { period_s, cycle: Some(cycle), .. }) = &outcome.evidence
+    else {
+        panic!("{outcome:?}")
+    };
+    (*period_s, cycle.multipliers.clone())
+}
+
+/// Asserts that a run has settled on a motion in which all coordinates drift at these rates.
+#[track_caller]
+fn assert_steady(outcome: &Outcome, rates: &[f64]) {
+    assert!(matches!(outcome.evidence, Evidence::Settled(_)), "{outcome:?}");
+    let mean = |number: usize| outcome.outputs[number].value(OutputValue::Mean);
+    for (number, rate) in rates.iter().enumerate() {
+        assert_eq!(mean(number), None, "it drifts");
+        let found = mean(rates.len() + number).expect("it has a rate");
+        assert!((found - rate).abs() < 1e-5 * rate.abs(), "{found} is not {rate}");
+    }
+}
+
+const PULLED: &str = "parameters: {m: 1 kg, k: 100 N/m, c: 1 N s/m, v: 0.1 m/s, load: 10 N, mu: 0.2, mu_stick: 0.4, v_fall: 0.1 m/s}";
+const LAW: &str =
+    "{stribeck: {coefficient: mu, static_coefficient: mu_stick, stribeck_speed: v_fall}}";
+
+/// A block that a spring pulls over a table at a constant speed, in its position and in the extension of the spring, which contains no
+/// time. Both have the same periods and multipliers. At a high speed, the block slides steadily.
+#[test]
+fn a_spring_pulls_a_block() {
+    for (speed, slips) in [(0.02, true), (0.1, true), (2.0, false)] {
+        let parameters = PULLED.replace("v: 0.1", &format!("v: {speed}"));
+        let in_position = format!(
+            "{parameters}
+coordinates: {{x: {{unit: m, start: 0, start_rate: [0, 0.2]}}}}
+mass: {{x: {{x: m}}}}
+force: {{x: \"k * (v * t - x) + c * (v - x')\"}}
+contacts: {{table: {{normal: load, sliding: x', friction: {LAW}}}}}"
+        );
+        let in_extension = format!(
+            "{parameters}
+coordinates: {{e: {{unit: m, start: 0, start_rate: [{}, {speed}]}}}}
+mass: {{e: {{e: m}}}}
+force: {{e: -k * e - c * e'}}
+contacts: {{table: {{normal: load, sliding: e' - v, friction: {LAW}}}}}",
+            speed - 0.2
+        );
+        for method in [Method::Switch, Method::Event] {
+            let found = runs(&in_position, 3, 100.0, method);
+            for (outcome, expected) in found.iter().zip(runs(&in_extension, 3, 100.0, method)) {
+                if !slips {
+                    assert_steady(outcome, &[speed]);
+                    assert!(matches!(expected.evidence, Evidence::Settled(_)), "{expected:?}");
+                    continue;
+                }
+                let [(period, multipliers), (known, _)] = [outcome, &expected].map(cycle);
+                assert!((period - known).abs() < 1e-8 * known, "{period} is not {known}");
+                assert!(multipliers.iter().all(|multiplier| *multiplier < 1e-4), "{multipliers:?}");
+                let mean = outcome.outputs[1].value(OutputValue::Mean).expect("it moves on");
+                assert!((mean - speed).abs() < 1e-8 * speed, "{mean} is not {speed}");
+            }
+        }
+    }
+}
+
+/// A spring whose end hardly moves loads a block, which does not move yet: this is no equilibrium.
+#[test]
+fn a_block_that_is_loaded_slowly_is_not_at_rest() {
+    let system = format!(
+        "{}
+coordinates: {{x: {{unit: m, start: 0, start_rate: [0.1, 0.2]}}}}
+mass: {{x: {{x: m}}}}
+force: {{x: k * (v * t - x) - c * x'}}
+contacts: {{table: {{normal: load, sliding: x', friction: {LAW}}}}}",
+        PULLED.replace("v: 0.1 ", "v: 1e-8 ")
+    );
+    for method in [Method::Switch, Method::Event] {
+        for outcome in runs(&system, 2, 1000.0, method) {
+            assert_eq!(outcome.evidence, Evidence::EndTime, "{outcome:?}");
+        }
+    }
+}
+
+/// A drill string with a motor at its top, in the angles of both discs, and in the angle of the bit and the twist. Both have the same
+/// limit cycle; the steady speed follows from the balance of the motor's torque with damping and friction.
+#[test]
+fn a_drill_string_turns_on() {
+    let parameters = |torque: f64| {
+        format!(
+            "parameters: {{j_1: 2100 kg m^2, j_2: 370 kg m^2, k: 470 N m/rad, c: 20 N m s, c_1: 425 N m s, torque: {torque} N m, load: 3000 N m, mu: 0.4, mu_stick: 0.8, w_fall: 1 rad/s}}"
+        )
+    };
+    let law = LAW.replace("v_fall", "w_fall");
+    let in_angles = |torque: f64| {
+        format!(
+            "{}
+coordinates: {{top: {{unit: rad, start: [0, 100], start_rate: 3}}, bit: {{unit: rad, start: [0, 100], start_rate: 1}}}}
+mass: {{top: {{top: j_1}}, bit: {{bit: j_2}}}}
+force: {{top: torque - c_1 * top' - k * (top - bit) - c * (top' - bit'), bit: k * (top - bit) + c * (top' - bit')}}
+contacts: {{rock: {{normal: load, sliding: bit', friction: {law}}}}}",
+            parameters(torque)
+        )
+    };
+    let with_twist = |torque: f64| {
+        format!(
+            "{}
+coordinates: {{bit: {{unit: rad, start: 0, start_rate: 1}}, twist: {{unit: rad, start: [0, 5], start_rate: 2}}}}
+mass: {{bit: {{bit: j_1 + j_2, twist: j_1}}, twist: {{twist: j_1}}}}
+force: {{bit: torque - c_1 * (bit' + twist'), twist: torque - c_1 * (bit' + twist') - k * twist - c * twist'}}
+contacts: {{rock: {{normal: load, sliding: bit', friction: {law}}}}}",
+            parameters(torque)
+        )
+    };
+    let expected = runs(&with_twist(2800.0), 2, 400.0, Method::Event);
+    let (known, _) = cycle(&expected[0]);
+    for method in [Method::Switch, Method::Event] {
+        for outcome in runs(&in_angles(2800.0), 2, 400.0, method) {
+            let (period, multipliers) = cycle(&outcome);
+            let tolerance = if method == Method::Event { 1e-7 } else { 1e-4 };
+            assert!((period - known).abs() < tolerance * known, "{period} is not {known}");
+            // Angle and speed of the top and the twist are free on the section, but for one of them.
+            assert!(multipliers.iter().all(|multiplier| *multiplier < 1.0), "{multipliers:?}");
+        }
+    }
+    for torque in [6000.0, 10_000.0] {
+        let balance = |speed: f64| {
+            let coefficient = 0.4 + 0.4 * f64::exp(-speed);
+            torque - 425.0 * speed - 3000.0 * coefficient
+        };
+        let (mut low, mut high) = (5.0, 50.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if balance(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        for outcome in runs(&in_angles(torque), 2, 400.0, Method::Event) {
+            assert_steady(&outcome, &[low, low]);
+        }
+    }
+}
+
+/// A motor drives a brake through an elastic gear: the motor turns three times as fast.
+#[test]
+fn a_gear_turns_on() {
+    let system = "parameters: {j: 1 kg m^2, k: 200 N m, c: 2 N m s, torque: 10 N m, drag: 0.5 N m s, load: 20 N m, mu: 0.3, ratio: 3}
+coordinates: {motor: {unit: rad, start: 0, start_rate: [0, 50]}, brake: {unit: rad, start: 0, start_rate: [1, 5]}}
+mass: {motor: {motor: 0.1 * j}, brake: {brake: j}}
+force: {motor: torque - drag * motor' - k / ratio * (motor / ratio - brake) - c / ratio * (motor' / ratio - brake'), brake: k * (motor / ratio - brake) + c * (motor' / ratio - brake')}
+contacts: {pads: {normal: load, sliding: brake', friction: {coulomb: {coefficient: mu}}}}";
+    for outcome in runs(system, 3, 200.0, Method::Switch) {
+        // torque - drag * motor' = mu * load / ratio
+        let speed = (10.0 - 6.0 / 3.0) / 0.5;
+        assert_steady(&outcome, &[speed, speed / 3.0]);
+    }
+}
+
+/// A wheel that a torque drives against a drag slips and then rolls, its contact stuck, at the speed `torque / (r drag)`.
+#[test]
+fn a_wheel_rolls_on() {
+    let system = "parameters: {m: 100 kg, j: 2 kg m^2, r: 0.3 m, load: 1000 N, torque: 100 N m, drag: 30 N s/m, mu: 0.7}
+coordinates: {x: {unit: m, start: 0, start_rate: [0, 20]}, phi: {unit: rad, start: 0, start_rate: [0, 80]}}
+mass: {x: {x: m}, phi: {phi: j}}
+force: {x: -drag * x', phi: torque}
+contacts: {road: {normal: load, sliding: x' - r * phi', friction: {coulomb: {coefficient: mu}}}}";
+    for method in [Method::Switch, Method::Event] {
+        for outcome in runs(system, 3, 200.0, method) {
+            let speed = 100.0 / (0.3 * 30.0);
+            assert_steady(&outcome, &[speed, speed / 0.3]);
+            let margin = outcome.evidence.friction_margin().expect("the road holds the wheel");
+            let expected = 1.0 - 100.0 / 0.3 / 700.0;
+            assert!((margin - expected).abs() < 1e-5, "{margin} is not {expected}");
+        }
+    }
+}
