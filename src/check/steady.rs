@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Schur};
 use serde::Serialize;
 
 use crate::analysis::Stability;
-use crate::model::{Dual, Model, Start, Translation, Units, wrap_to_two_pi};
+use crate::model::{Dual, Model, Start, Translation, Translations, Units, wrap_to_two_pi};
 use crate::motion::{Direction, Evaluator, Phase, Phases};
 
 /// The number of start positions that are examined.
@@ -56,10 +56,10 @@ impl SteadyStates {
         {
             return None;
         }
-        let (mut held, mut may_hold, mut found) = (0, false, Vec::<Vec<(usize, f64)>>::new());
+        let (mut held, mut may_hold, mut found) = (0, false, Vec::<Vec<f64>>::new());
         let (units, mut states) = (model.units(), SteadyStates::default());
-        let phases = Phases::from_elem(Phase::Stick, graph.contacts.len() + graph.gaps.len());
-        let translations = graph.translations(|| evaluator.inputs(&phases));
+        let translations = evaluator.translations();
+        let goes_on = translations != Translations::default();
         let starts_at_rest = ranges[ranges.len() / 2..].iter().all(|range| *range == [0.0; 2]);
         for number in 0..EXAMINED {
             let start = |moves: bool| -> Option<SteadyState> {
@@ -77,7 +77,7 @@ impl SteadyStates {
             };
             let still = start(false)?;
             may_hold |= still.sticks();
-            let moving = (!translations.is_empty()).then(|| start(true)).flatten();
+            let moving = goes_on.then(|| start(true)).flatten();
             let moving = moving.filter(|state| !state.sticks());
             for mut examined in std::iter::once(still).chain(moving) {
                 if !examined.settles() || !examined.holds() {
@@ -87,13 +87,13 @@ impl SteadyStates {
                     held += 1;
                     continue;
                 }
-                let place = examined.constants(&units);
-                let is_known = |known: &Vec<(usize, f64)>| {
-                    let mut both = known.iter().zip(&place);
-                    both.all(|((_, left), (_, right))| (left - right).abs() < SAME)
+                let constants = examined.constants(&units);
+                let place = examined.place(&constants);
+                let is_known = |known: &Vec<f64>| {
+                    known.iter().zip(&place).all(|(left, right)| (left - right).abs() < SAME)
                 };
                 if !found.iter().any(is_known) {
-                    states.sliding.push(examined.sliding(model, &units, &place)?);
+                    states.sliding.push(examined.sliding(model, &units, &constants)?);
                     found.push(place);
                 }
             }
@@ -114,7 +114,7 @@ fn sample(number: usize, dimension: usize) -> f64 {
 struct SteadyState<'e> {
     evaluator: &'e Evaluator,
     /// The translations that move no contact that sticks.
-    translations: Vec<&'e Translation>,
+    translations: Translations,
     phases: Phases,
     state: Vec<f64>,
     /// The components that no contact holds, without the pivots of translations.
@@ -124,11 +124,7 @@ struct SteadyState<'e> {
 impl<'e> SteadyState<'e> {
     /// Returns `None` if a contact may stick whose sliding speed is no component of the state, or if a component, such as the
     /// time, moves by itself.
-    fn new(
-        evaluator: &'e Evaluator,
-        translations: &'e [Translation],
-        state: Vec<f64>,
-    ) -> Option<Self> {
+    fn new(evaluator: &'e Evaluator, translations: &Translations, state: Vec<f64>) -> Option<Self> {
         let (graph, system) = (evaluator.graph(), evaluator.system());
         let phase = |(contact, speed): (usize, &f64)| match speed.abs() <= STILL {
             _ if !system.friction(contact).can_stick() => Phase::Free,
@@ -141,27 +137,21 @@ impl<'e> SteadyState<'e> {
             held.extend([graph.layout.contacts[contact].position, graph.speed_component(contact)?]);
         }
         let rates = evaluator.rates(&phases, &state);
-        let runs = |place: usize| graph.is_clock(place) && rates[place] != 0.0;
-        if (0..state.len()).any(|place| runs(place) && !graph.translates(place)) {
+        let velocities = || graph.layout.velocities.iter().flatten();
+        let runs = |place: usize| {
+            graph.is_clock(place) && rates[place] != 0.0 && !velocities().any(|one| *one == place)
+        };
+        if (0..state.len()).any(|place| runs(place) && !translations.displace(place)) {
             return None;
         }
-        let moves_none = |one: &&Translation| !held.iter().any(|place| one.displaces(*place));
-        let translations: Vec<_> = translations.iter().filter(moves_none).collect();
-        let varies = |place: &usize| {
-            !held.contains(place) && !translations.iter().any(|one| one.pivot == *place)
-        };
+        let translations = translations.without(|place| held.contains(&place));
+        let varies = |place: &usize| !held.contains(place) && !translations.has_pivot(*place);
         let variables = (0..state.len()).filter(varies).collect();
         Some(SteadyState { evaluator, translations, phases, state, variables })
     }
 
     fn sticks(&self) -> bool {
         self.phases.contains(&Phase::Stick)
-    }
-
-    /// Returns a component without the displacement by translations.
-    fn remaining(&self, of: impl Fn(usize) -> f64, component: usize) -> f64 {
-        let carried = self.translations.iter().map(|one| one.of(component) * of(one.pivot));
-        of(component) - carried.sum::<f64>()
     }
 
     /// Returns the derivatives of the rates of the variables.
@@ -180,14 +170,15 @@ impl<'e> SteadyState<'e> {
         let derivative = &self.evaluator.graph().derivative;
         DMatrix::from_fn(columns.len(), columns.len(), |row, column| {
             let slope = |component: usize| columns[column][derivative[component] as usize].slope;
-            self.remaining(slope, self.variables[row])
+            self.translations.remaining(slope, self.variables[row])
         })
     }
 
     /// Returns the rates of change of some components without translations.
     fn rates(&self, components: impl Iterator<Item = usize>) -> Vec<f64> {
         let rates = self.evaluator.rates(&self.phases, &self.state);
-        components.map(|component| self.remaining(|place| rates[place], component)).collect()
+        let remaining = |component| self.translations.remaining(|place| rates[place], component);
+        components.map(remaining).collect()
     }
 
     /// Changes the variables to where their rates vanish; returns whether there is such a place.
@@ -236,27 +227,45 @@ impl<'e> SteadyState<'e> {
     fn constants(&self, units: &Units) -> Vec<(usize, f64)> {
         let outputs = |state: &[f64]| self.evaluator.system().outputs(state);
         let now = outputs(&self.state);
-        let count = self.evaluator.graph().layout.velocities.iter().flatten().count();
-        let displaced = |translation: &&Translation| {
+        // A kind in Rust may have no outputs.
+        let count =
+            now.len().min(self.evaluator.graph().layout.velocities.iter().flatten().count());
+        let displaced = |translation: &Translation| {
             let displaced = |place: usize| self.state[place] + translation.of(place);
             outputs(&(0..self.state.len()).map(displaced).collect::<Vec<_>>())
         };
-        let displaced: Vec<_> = self.translations.iter().map(displaced).collect();
+        let displaced: Vec<_> = self.translations.0.iter().map(displaced).collect();
         let is_displaced =
             |number: usize| displaced.iter().any(|of| (of[number] - now[number]).abs() > ROUNDING);
         let constant = |number: usize| match is_displaced(number) {
-            true => (count + number, now[count + number]),
-            false if units.outputs[number].angular => (number, wrap_to_two_pi(now[number])),
+            true => {
+                let rate = count + number;
+                (rate, now.get(rate).copied().unwrap_or_default())
+            }
+            false if units.outputs.get(number).is_some_and(|units| units.angular) => {
+                (number, wrap_to_two_pi(now[number]))
+            }
             false => (number, now[number]),
         };
         (0..count).map(constant).collect()
+    }
+
+    /// Returns values that are equal in equal states.
+    fn place(&self, constants: &[(usize, f64)]) -> Vec<f64> {
+        let remaining =
+            |component: &usize| self.translations.remaining(|place| self.state[place], *component);
+        // Angles of motions that go on are not reduced to one turn.
+        match self.translations == Translations::default() {
+            true => constants.iter().map(|(_, value)| *value).collect(),
+            false => self.variables.iter().map(remaining).collect(),
+        }
     }
 
     fn sliding(
         &self,
         model: &Model,
         units: &Units,
-        place: &[(usize, f64)],
+        constants: &[(usize, f64)],
     ) -> Option<SteadySliding> {
         // The number of iterations is bounded: for a matrix that is not finite the decomposition would not end.
         let eigenvalues =
@@ -270,10 +279,11 @@ impl<'e> SteadyState<'e> {
         };
         let names = model.output_names();
         let named = |(number, value): &(usize, f64)| {
-            (names[*number].name.clone(), value * units.outputs[*number].size)
+            let (output, units) = (names.get(*number)?, units.outputs.get(*number)?);
+            Some((output.name.clone(), value * units.size))
         };
         Some(SteadySliding {
-            coordinates: place.iter().map(named).collect(),
+            coordinates: constants.iter().filter_map(named).collect(),
             largest_real_part_1_s: largest * units.natural_rad_s,
             stability: stability.name(),
         })

@@ -85,7 +85,7 @@ pub struct Orbit {
     pub margin: Option<f64>,
     /// Moduli of the multipliers, without those of neutral directions, descending.
     pub multipliers: Vec<f64>,
-    /// Number of contacts that rest throughout, each anywhere in an interval, or whose position nothing depends on: one
+    /// Number of contacts that rest throughout, each anywhere in an interval, and of translations that no equation notices: one
     /// neutral direction each.
     pub neutral_directions: usize,
 }
@@ -168,8 +168,9 @@ fn moves_one_way(closed: &Closed, orbit: &Orbit) -> bool {
     view.contacts.iter().enumerate().any(|(index, contact)| {
         let [low, high] = orbit.position_extremes[index];
         let displaced = orbit.speed[index] * orbit.period - f64::from(orbit.turns[index]) * TAU;
-        let counts =
-            !view.translates(contact.position) && !section.rests[index] && orbit.turns[index] == 0;
+        let counts = !view.translations.displace(contact.position)
+            && !section.rests[index]
+            && orbit.turns[index] == 0;
         counts && high - low > LEAST_WAY && displaced.abs() > DISPLACED * (high - low)
     })
 }

@@ -126,8 +126,8 @@ impl<'a> LaneStep<'a> {
         Some(self.began() + part * length)
     }
 
-    /// Returns the time at which a function passed through a value in the step, like [`LaneStep::passes_through_zero`].
-    pub(super) fn passes_through(&self, marking: &Marking, value: f64) -> Option<f64> {
+    /// Returns the time at which a function with a value at the end of the step passed through another one in the step, like [`LaneStep::passes_through_zero`].
+    pub(super) fn passes_through(&self, marking: &Marking, [value, end]: [f64; 2]) -> Option<f64> {
         let series = marking.components().map(|place| (place, self.group.series(self.lane, place)));
         let series: SmallVec<[_; 2]> = series.collect();
         let within = |after: f64| {
@@ -137,7 +137,7 @@ impl<'a> LaneStep<'a> {
                 |place| of(place).map_or(0.0, |(_, series)| self.group.value(series, after));
             marking.of(value_of) - value
         };
-        self.passage(within, marking.of(|place| self.component_at_end(place)) - value)
+        self.passage(within, end - value)
     }
 
     /// Returns the current instant, after a switch at the end of the step.

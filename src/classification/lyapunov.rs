@@ -29,7 +29,7 @@
 use super::lane_step::LaneStep;
 use super::outcome::LyapunovExponent;
 use super::system_view::SystemView;
-use crate::model::{Components, Node};
+use crate::model::Components;
 
 /// The part of the time at the end of a run over which separation is measured.
 pub(super) const SEPARATION_WINDOW: f64 = 0.75;
@@ -217,9 +217,8 @@ impl Separation {
 /// contact are perturbed, too.
 pub(super) fn perturbation(view: &SystemView) -> Components {
     let graph = view.evaluator.graph();
-    let moving = graph.depending_on(|node| matches!(node, Node::State(_) | Node::Discrete(_)));
     // The time is no part of the motion.
-    let is_time = |place: usize| !moving.contains(&graph.derivative[place]);
+    let is_time = |place: usize| graph.is_clock(place);
     let is_velocity =
         |place: usize| graph.layout.velocities.iter().flatten().any(|of| *of == place);
     let free = view

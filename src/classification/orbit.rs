@@ -260,7 +260,7 @@ fn passage_of(mark: SectionMark, step: &LaneStep) -> Option<(f64, Components)> {
         return None;
     }
     let end = marking.of(|place| step.component_at_end(place));
-    let time = step.passes_through(&marking, target)?;
+    let time = step.passes_through(&marking, [target, end])?;
     if [begun, end].iter().all(|end| (end - target).abs() <= RESOLVED) {
         return None;
     }

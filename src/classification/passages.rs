@@ -199,19 +199,19 @@ impl Passages {
 fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
     let marking = mark.marking(view).component;
     let smooth = |place: usize, is_angle: bool| {
-        let value = view.remaining(&passage.state, place);
+        let value = view.translations.remaining(|place| passage.state[place], place);
         if is_angle { libm::sin(value + 1.0) } else { value }
     };
     let of_contact = |(contact, phase): (&ContactPlace, &Phase)| {
         let position = smooth(contact.position, contact.angular);
-        let counts = contact.position != marking && !contact.ignorable;
+        let counts = contact.position != marking && !view.translations.has_pivot(contact.position);
         let speed = contact.speed.filter(|speed| *speed != marking && *phase != Phase::Stick);
         [if counts { position } else { 0.0 }, speed.map_or(0.0, |speed| passage.state[speed])]
     };
     let contacts = view.contacts.iter().zip(&passage.phases).flat_map(of_contact);
-    let free = view.returning.iter().filter(|place| **place != marking);
+    let free = view.returning().filter(|place| *place != marking);
     // Different weights, so that no symmetry cancels.
-    let weighted = contacts.chain(free.map(|place| smooth(*place, view.is_angle(*place)))).zip(1..);
+    let weighted = contacts.chain(free.map(|place| smooth(place, view.is_angle(place)))).zip(1..);
     weighted.map(|(value, weight)| (1.0 + 0.29 * f64::from(weight)) * value).sum()
 }
 
@@ -219,10 +219,11 @@ fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
 /// return this difference instead. The residual speed of a sticking ball does not count.
 fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: SectionMark) -> f64 {
     let marking = mark.marking(view).component;
-    let change = |place: usize| view.remaining(&a.state, place) - view.remaining(&b.state, place);
+    let change =
+        |place: usize| view.translations.remaining(|place| a.state[place] - b.state[place], place);
     let mut largest: f64 = 0.0;
     for (contact, phase) in view.contacts.iter().zip(&a.phases) {
-        if contact.position != marking && !contact.ignorable {
+        if contact.position != marking && !view.translations.has_pivot(contact.position) {
             let change = change(contact.position);
             let change = if contact.angular { wrap_to_pi(change) } else { change };
             largest = largest.max(change.abs());
@@ -236,10 +237,10 @@ fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: SectionMark) ->
             return largest;
         }
     }
-    let free = view.returning.iter().filter(|place| **place != marking);
+    let free = view.returning().filter(|place| *place != marking);
     free.fold(largest, |largest, place| {
-        let change = change(*place);
-        let change = if view.is_angle(*place) { wrap_to_pi(change) } else { change };
+        let change = change(place);
+        let change = if view.is_angle(place) { wrap_to_pi(change) } else { change };
         largest.max(change.abs())
     })
 }

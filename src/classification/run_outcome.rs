@@ -11,6 +11,7 @@ use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
 use super::outcome::{ClosedOrbit, Evidence, LyapunovExponent, Outcome, Rest, TouchingOutcome};
 use super::output_watch::OutputOutcome;
+use super::settled::SLOW;
 use super::system_view::ContactPlace;
 use crate::model::{ContactUnits, OutputValue};
 use crate::motion::lockstep::LaneGroup;
@@ -20,7 +21,7 @@ use crate::motion::{Failure, Motion, Phase, SINGULAR, any_closed};
 const NEARLY_SINGULAR: f64 = 1e-3;
 
 /// The time over which rates of change of outputs are differences.
-const AHEAD: f64 = 1e-6;
+const AHEAD: f64 = 1e-3;
 
 /// Returns the latest of some times.
 fn latest(times: &[f64]) -> f64 {
@@ -73,7 +74,20 @@ impl LaneRun {
                 let margin = friction_margin(&self.view, step.phases(), &group.state(lane));
                 let settled = Evidence::Settled(rest(self.slow_since(&step), margin));
                 let touching = self.with_force(&base, self.force_in_gaps(&step));
-                Outcome { touching, ..self.at_rest(&step, base, |_| settled) }
+                // Steady motion goes on.
+                let rates = self.view.evaluator.rates(step.phases(), &group.state(lane));
+                let speed = |contact: &ContactPlace| match rates[contact.position] {
+                    rate if rate.abs() > SLOW => rate,
+                    _ => 0.0,
+                };
+                let speeds: Vec<f64> = self.view.contacts.iter().map(speed).collect();
+                let turns = speeds.iter().filter(|speed| **speed != 0.0).count() as u8;
+                Outcome {
+                    touching,
+                    balls_running: self.view.revolves().then_some(turns),
+                    mean_speed: self.view.revolves().then(|| self.speeds(&speeds)),
+                    ..self.at_rest(&step, base, |_| settled)
+                }
             }
             Ending::Orbit(orbit) if orbit.rests => {
                 self.at_rest(&step, base, |_| Evidence::PeriodicRest(rest(stopped(), orbit.margin)))
@@ -144,11 +158,14 @@ impl LaneRun {
         all.zip(units).map(|(output, units)| output.in_units(units)).collect()
     }
 
-    /// Returns the outputs of a motion that stays in a state but for coordinates that no equation contains.
+    /// Returns the outputs of a motion that stays in a state but for a translation that no equation notices.
     fn constant_outputs(&self, phases: &[Phase], state: &[f64]) -> Vec<OutputOutcome> {
         let rates = self.view.evaluator.rates(phases, state);
-        let ahead: Vec<f64> =
-            state.iter().zip(&rates).map(|(value, rate)| value + AHEAD * rate).collect();
+        let translations = &self.view.translations;
+        let carried =
+            |place: usize| rates[place] - translations.remaining(|place| rates[place], place);
+        let ahead = state.iter().zip(0..).map(|(value, place)| value + AHEAD * carried(place));
+        let ahead: Vec<f64> = ahead.collect();
         let [now, later] = [state, &ahead].map(|state| self.view.system().outputs(state));
         let each = now.iter().zip(&later);
         each.map(|(now, later)| OutputOutcome::constant(*now, (later - now) / AHEAD)).collect()

@@ -4,7 +4,9 @@
 //! passages through the angle 0. Other angles, such as that of a motor, mark it by their passages through 1 rad, a contact on a moving
 //! support where its position is at a maximum, and each coordinate where it turns back.
 //!
-//! The coordinates are the free components (position and velocity of the table) and the variables
+//! Where a translation that no equation notices carries a coordinate along, its speed relative to the translation counts.
+//!
+//! The coordinates are what remains of the free components (position and velocity of the table) without translations, and the variables
 //! of the contacts that vary: not the component that marks the section, the speed of a
 //! contact that sticks there, or the position of a contact that rests throughout. Such a contact may
 //! rest anywhere in an interval; each such position is a neutral direction of a continuous family of
@@ -15,9 +17,9 @@ use std::f64::consts::TAU;
 use nalgebra::DVector;
 use smallvec::{SmallVec, smallvec};
 
-use super::system_view::{ContactPlace, SystemView, any_phases};
-use crate::model::{Components, ForcingLayout, wrap_to_pi};
-use crate::motion::{Motion, Phase, Phases};
+use super::system_view::{ContactPlace, SystemView};
+use crate::model::{Components, ForcingLayout, Translations, wrap_to_pi};
+use crate::motion::{Direction, Motion, Phase, Phases};
 
 /// A velocity turns its sign by more than rounding if it has at least this size, non-dimensional, at an end of the step. Where
 /// bodies touch or stick, their relative speeds are zero to rounding.
@@ -31,28 +33,29 @@ const MARKED_ANGLE: f64 = 1.0;
 pub(super) struct Marking {
     /// The component that is the function, but for a multiple of another component.
     pub(super) component: usize,
-    less: Option<(usize, f64)>,
+    minus: Option<(usize, f64)>,
     value: f64,
 }
 
 impl Marking {
     fn new(component: usize, value: f64) -> Self {
-        Marking { component, less: None, value }
+        Marking { component, minus: None, value }
     }
 
     /// Gives the function its value on the section in a state.
     pub(super) fn put_on(&self, state: &mut [f64]) {
-        state[self.component] += self.value - self.of(|place| state[place]);
+        let other = self.minus.map_or(0.0, |(place, by)| by * state[place]);
+        state[self.component] = self.value + other;
     }
 
     /// Returns the components that the function reads.
     pub(super) fn components(&self) -> impl Iterator<Item = usize> {
-        std::iter::once(self.component).chain(self.less.map(|(place, _)| place))
+        std::iter::once(self.component).chain(self.minus.map(|(place, _)| place))
     }
 
     /// Returns the function of a state with these components.
     pub(super) fn of(&self, component: impl Fn(usize) -> f64) -> f64 {
-        component(self.component) - self.less.map_or(0.0, |(place, by)| by * component(place))
+        component(self.component) - self.minus.map_or(0.0, |(place, by)| by * component(place))
     }
 }
 
@@ -106,21 +109,6 @@ impl SectionMark {
     }
 }
 
-/// A coordinate on a section: a component without multiples of the pivots of translations.
-#[derive(Clone, Debug)]
-struct SectionCoordinate {
-    component: usize,
-    less: Vec<(usize, f64)>,
-    is_angle: bool,
-}
-
-impl SectionCoordinate {
-    /// Returns the multiples of the pivots in a state.
-    fn carried(&self, state: &[f64]) -> f64 {
-        self.less.iter().map(|(pivot, by)| by * state[*pivot]).sum()
-    }
-}
-
 /// A section and the contacts' phases there.
 #[derive(Clone, Debug)]
 pub(super) struct Section {
@@ -132,8 +120,10 @@ pub(super) struct Section {
     pub(super) rests: SmallVec<[bool; 8]>,
     /// The function that marks the section.
     marking: Marking,
-    /// The coordinates.
-    coordinates: Vec<SectionCoordinate>,
+    /// The components that are the coordinates, but for their displacement by the translations, and whether they are angles.
+    coordinates: Vec<(usize, bool)>,
+    /// The translations of the orbit that no equation notices.
+    translations: Translations,
     /// The components of the contacts that touch another one: position or speed, that of the contact that it follows, and
     /// whether it is a position.
     followers: Vec<(usize, usize, bool)>,
@@ -163,9 +153,15 @@ impl Section {
             let mut contacts = view.contacts.iter().zip(&rests);
             contacts.any(|(contact, rests)| *rests && contact.driven == Some(*place))
         };
-        let free = view.returning.iter();
-        let free = free.filter(|place| **place != marked && !driven(place));
-        let mut coordinates: Vec<_> = free.map(|place| (*place, view.is_angle(*place))).collect();
+        // A translation that displaces a contact that rests is none of the orbit.
+        let rests_at = |place: usize| {
+            let mut contacts = view.contacts.iter().zip(&rests);
+            contacts.any(|(contact, rests)| *rests && contact.holds() && contact.position == place)
+        };
+        let translations = view.translations.without(rests_at);
+        let free = view.free.iter().copied().filter(|place| !translations.has_pivot(*place));
+        let free = free.filter(|place| *place != marked && !driven(place));
+        let mut coordinates: Vec<_> = free.map(|place| (place, view.is_angle(place))).collect();
         for (index, contact) in view.contacts.iter().enumerate() {
             if following.iter().any(|(follower, _)| *follower == index) {
                 continue;
@@ -183,21 +179,19 @@ impl Section {
             let held = |(other, place): (usize, &ContactPlace)| {
                 place.position == contact.position && rests[other] && place.holds()
             };
-            let counts = !contact.ignorable && !view.contacts.iter().enumerate().any(held);
+            let counts = !translations.has_pivot(contact.position)
+                && !view.contacts.iter().enumerate().any(held);
             if counts && is_new(&coordinates, contact.position) {
                 coordinates.push((contact.position, contact.angular));
             }
         }
-        let coordinate = |(component, is_angle)| {
-            let less = view.translations_of(component).collect();
-            SectionCoordinate { component, less, is_angle }
-        };
         Section {
             mark,
             phases: phases.iter().copied().collect(),
             rests,
             marking,
-            coordinates: coordinates.into_iter().map(coordinate).collect(),
+            coordinates,
+            translations,
             followers,
             dimension: view.dimension(),
         }
@@ -205,18 +199,18 @@ impl Section {
 
     /// The coordinates of a state, or of a perturbation.
     pub(super) fn coordinates(&self, state: &[f64]) -> DVector<f64> {
-        let value = |coordinate: &SectionCoordinate| {
-            state[coordinate.component] - coordinate.carried(state)
-        };
-        DVector::from_iterator(self.coordinates.len(), self.coordinates.iter().map(value))
+        let values = (self.coordinates.iter())
+            .map(|(place, _)| self.translations.remaining(|place| state[place], *place));
+        DVector::from_iterator(self.coordinates.len(), values)
     }
 
     /// Returns the state with these coordinates; the other variables are those of `like`, and the
     /// marking function has its value.
     pub(super) fn state(&self, like: &[f64], coordinates: &DVector<f64>) -> Components {
         let mut state = Components::from_slice(like);
-        for (coordinate, value) in self.coordinates.iter().zip(coordinates.iter()) {
-            state[coordinate.component] = value + coordinate.carried(like);
+        for ((place, _), value) in self.coordinates.iter().zip(coordinates.iter()) {
+            let carried = like[*place] - self.translations.remaining(|place| like[place], *place);
+            state[*place] = value + carried;
         }
         self.put_on(&mut state);
         for (follower, leader, is_position) in &self.followers {
@@ -275,7 +269,8 @@ impl Section {
         let rests = |index: usize| self.rests[index] && view.contacts[index].holds();
         let contacts = view.contacts.iter().enumerate().filter(|(index, _)| rests(*index));
         let mut positions: Vec<usize> = contacts.map(|(_, contact)| contact.position).collect();
-        positions.extend(view.pivots().filter(|place| *place != self.marking.component));
+        let pivots = self.translations.pivots();
+        positions.extend(pivots.filter(|place| *place != self.marking.component));
         positions.sort_unstable();
         positions.dedup();
         positions.len()
@@ -283,9 +278,9 @@ impl Section {
 
     /// Unit perturbations along the coordinates.
     pub(super) fn directions(&self) -> Vec<Components> {
-        let unit = |coordinate: &SectionCoordinate| {
+        let unit = |(place, _): &(usize, bool)| {
             let mut direction: Components = smallvec![0.0; self.dimension];
-            direction[coordinate.component] = 1.0;
+            direction[*place] = 1.0;
             direction[self.marking.component] -= self.marking.of(|place| direction[place]);
             for (follower, leader, _) in &self.followers {
                 direction[*follower] = direction[*leader];
@@ -307,8 +302,8 @@ impl Section {
     /// The difference of two states' coordinates, angles modulo 2π.
     pub(super) fn difference(&self, left: &[f64], right: &[f64]) -> DVector<f64> {
         let mut difference = self.coordinates(left) - self.coordinates(right);
-        for (coordinate, value) in self.coordinates.iter().zip(difference.iter_mut()) {
-            if coordinate.is_angle {
+        for ((_, is_angle), value) in self.coordinates.iter().zip(difference.iter_mut()) {
+            if *is_angle {
                 *value = wrap_to_pi(*value);
             }
         }
@@ -346,28 +341,37 @@ fn turning_points(view: &SystemView) -> Vec<SectionMark> {
     .collect()
 }
 
-/// Returns the speed of a position relative to a translation that carries it along: of a block that a spring pulls at a constant speed,
+/// Returns the speed of a position relative to the translation that carries it along: of a block that a spring pulls at a constant speed,
 /// its speed less that of the spring's end. `component` is the velocity of the position.
 fn relative_speed(view: &SystemView, component: usize) -> Option<Marking> {
-    let position =
-        (0..view.dimension()).find(|place| view.velocity_of(*place) == Some((component, 1.0)))?;
-    let mut carriers = view.translations_of(position).filter(|(pivot, _)| *pivot != position);
-    let ((pivot, by), None) = (carriers.next()?, carriers.next()) else { return None };
-    match view.velocity_of(pivot) {
-        Some((velocity, factor)) => {
-            Some(Marking { component, less: Some((velocity, by * factor)), value: 0.0 })
-        }
-        None => {
-            let rate = view.constant_rate(pivot)?;
-            Some(Marking::new(component, by * rate))
-        }
+    let graph = view.evaluator.graph();
+    // The factor of the only velocity in a rate of change, if the rate contains one.
+    let rate_of = |place: usize, velocity: Option<usize>| {
+        let mut state = vec![0.0; view.dimension()];
+        velocity.into_iter().for_each(|velocity| state[velocity] = 1.0);
+        view.evaluator.rates(&view.evaluator.no_phases(), &state)[place]
+    };
+    let carried = |place: &usize| {
+        let mut carriers = view.translations.carriers(*place).filter(|(pivot, _)| pivot != place);
+        Some((*place, carriers.next()?)).filter(|_| carriers.next().is_none())
+    };
+    let mut all = (0..view.dimension()).filter(|place| graph.only_rate(*place) == Some(component));
+    let (position, (pivot, by)) = all.find_map(|place| carried(&place))?;
+    let factor = rate_of(position, Some(component));
+    if graph.is_clock(pivot) {
+        return Some(Marking::new(component, by * rate_of(pivot, None) / factor));
     }
+    let velocity = graph.only_rate(pivot)?;
+    let minus = Some((velocity, by * rate_of(pivot, Some(velocity)) / factor));
+    Some(Marking { component, minus, value: 0.0 })
 }
 
 /// Returns the marks at the maxima of positions. The contact must slip there: the speed of its position differs from its
 /// sliding speed, always by the same amount, as on a belt.
 fn maxima(view: &SystemView) -> Vec<SectionMark> {
-    let phases = any_phases(view.evaluator.graph());
+    let slip = view.contacts.iter().map(|_| Phase::Slip(Direction::Forward));
+    let gaps = view.evaluator.graph().gaps.iter().map(|_| Phase::Open);
+    let phases: Phases = slip.chain(gaps).collect();
     let probe = |scale: f64| -> Vec<f64> {
         (0..view.dimension()).map(|component| scale * (0.3 + 0.07 * component as f64)).collect()
     };

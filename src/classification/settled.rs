@@ -1,11 +1,12 @@
-//! Settled motion: convergence to a stable equilibrium at which some contact slips, has no dry friction, or is open.
+//! Settled motion: convergence to a stable equilibrium at which some contact slips, has no dry friction, or is open, or to a steady
+//! motion, in which a translation that no equation notices goes on at a constant speed.
 //!
 //! If friction cannot hold a body (viscous drag, a smooth law), a run approaches its equilibrium
-//! asymptotically; so does a block that slides on a belt at a constant position. Other contacts may hold bodies there. Such a
-//! run has settled if
+//! asymptotically; so does a block that slides on a belt at a constant position, or a wheel that rolls at a constant speed. Other contacts
+//! may hold bodies there. Such a run has settled if
 //!
-//! - everything is slow, and Newton's method finds an equilibrium, a state with zero time
-//!   derivative, within [`NEAR`];
+//! - everything but the translations is slow, and Newton's method finds an equilibrium, a state whose rates of change vanish but
+//!   for the translations, within [`NEAR`];
 //! - all eigenvalues of the equations linearised there (central differences) lie left of the
 //!   imaginary axis, except for the zeros of a family of equilibria, as of three or more balls that
 //!   can balance in many positions: one zero for each independent displacement of bodies without
@@ -19,7 +20,7 @@ use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 use super::held_bodies::{friction_margin, held_margin};
 use super::rest_in_touch::at_rest;
 use super::system_view::SystemView;
-use crate::model::{Friction, Translation};
+use crate::model::{Friction, Translations};
 use crate::motion::{Phase, lies};
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
@@ -102,7 +103,10 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     let lasts = |(contact, phase): (usize, &Phase)| match phase {
         Phase::Free => true,
         Phase::Slip(_) => view.speed(state, contact).abs() > SLIDES,
-        Phase::Stick => view.evaluator.graph().holds_position(contact),
+        Phase::Stick => {
+            view.evaluator.graph().holds_position(contact)
+                || view.translations.has_pivot(view.contacts[contact].position)
+        }
         // The equations show the gap of an open contact as its normal force.
         Phase::Apart => {
             touches(contact) || view.evaluator.forces(&resting, state)[contact].normal > SLIDES
@@ -112,7 +116,10 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     };
     let contacts = &resting[..view.contacts.len()];
     let all_stick = contacts.iter().all(sticks) && contacts.iter().any(sticks);
-    let may_roll = || view.pivots().any(|pivot| view.free.contains(&pivot));
+    let may_roll = || {
+        let rolls = view.translations.pivots().any(|pivot| view.free.contains(&pivot));
+        rolls || view.translations != Translations::default() && view.rest_forms().is_none()
+    };
     (!all_stick || may_roll()) && resting.iter().enumerate().all(lasts)
 }
 
@@ -122,8 +129,8 @@ struct ReducedCoordinates<'a> {
     phases: &'a [Phase],
     /// The components that are the variables.
     variables: Vec<usize>,
-    /// The translations that move no contact that sticks.
-    translations: Vec<&'a Translation>,
+    /// The translations that move no contact that sticks. Their pivots are 0.
+    translations: Translations,
     /// The components that keep their distance from another one: contacts that touch.
     following: Vec<(usize, usize, f64)>,
     /// The state, with the components that contacts hold.
@@ -146,34 +153,23 @@ impl<'a> ReducedCoordinates<'a> {
         let places =
             |contact: usize| [Some(view.contacts[contact].position), graph.held_component(contact)];
         let held: Vec<usize> = stuck.flat_map(places).flatten().collect();
-        let moves_none = |one: &&Translation| !held.iter().any(|place| one.displaces(*place));
-        let translations: Vec<_> = view.translations.iter().filter(moves_none).collect();
+        let translations = view.translations.without(|place| held.contains(&place));
         let is_free = |place: &usize| {
             let is_following = following.iter().any(|(follower, ..)| follower == place);
-            let is_pivot = translations.iter().any(|one| one.pivot == *place);
-            !is_following && !held.contains(place) && !is_pivot
+            !is_following && !held.contains(place) && !translations.has_pivot(*place)
         };
         let variables = (0..view.dimension()).filter(is_free).collect();
-        ReducedCoordinates {
-            view,
-            phases,
-            variables,
-            translations,
-            following,
-            held: state.to_vec(),
-        }
-    }
-
-    /// Returns the displacement of a component by the translations.
-    fn carried(&self, state: &[f64], component: usize) -> f64 {
-        self.translations.iter().map(|one| one.of(component) * state[one.pivot]).sum()
+        let held = translations.all_remaining(state);
+        ReducedCoordinates { view, phases, variables, translations, following, held }
     }
 
     /// Returns the variables of a state.
     fn of_state(&self, state: &[f64]) -> DVector<f64> {
         DVector::from_iterator(
             self.variables.len(),
-            self.variables.iter().map(|place| state[*place] - self.carried(state, *place)),
+            self.variables
+                .iter()
+                .map(|place| self.translations.remaining(|place| state[place], *place)),
         )
     }
 
@@ -181,7 +177,7 @@ impl<'a> ReducedCoordinates<'a> {
     fn state(&self, variables: &DVector<f64>) -> Vec<f64> {
         let mut state = self.held.clone();
         for (place, value) in self.variables.iter().zip(variables.iter()) {
-            state[*place] = value + self.carried(&self.held, *place);
+            state[*place] = *value;
         }
         for (follower, leader, apart) in &self.following {
             state[*follower] = state[*leader] + apart;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::derived_rest::DerivedRest;
-use crate::model::{Components, Graph, RestForms, System, Translation, wrap_to_two_pi};
-use crate::motion::{Direction, Evaluator, PerContact, Phase, Phases};
+use crate::model::{Components, RestForms, System, Translations, wrap_to_two_pi};
+use crate::motion::{Evaluator, PerContact, Phase};
 
 /// A system as the classification sees it.
 #[derive(Clone, Debug)]
@@ -14,10 +14,8 @@ pub(super) struct SystemView {
     pub(super) free: Vec<usize>,
     /// Those of them that are angles with a period of one turn.
     angles: Vec<usize>,
-    /// Those of them that return in a motion that repeats: all but the pivots of translations.
-    pub(super) returning: Vec<usize>,
     /// The translations that no equation notices.
-    pub(super) translations: Vec<Translation>,
+    pub(super) translations: Translations,
     /// The components of the contacts.
     pub(super) contacts: Vec<ContactPlace>,
     /// The displacement whose amplitude is measured, and its velocity, if the system has one.
@@ -39,8 +37,6 @@ pub(super) struct ContactPlace {
     pub(super) driven: Option<usize>,
     /// Whether the position is an angle.
     pub(super) angular: bool,
-    /// Whether the position is the pivot of a translation that no equation notices, so that a motion repeats also at another one.
-    pub(super) ignorable: bool,
 }
 
 impl ContactPlace {
@@ -54,14 +50,12 @@ impl SystemView {
     pub(super) fn new(evaluator: Evaluator) -> Self {
         let graph = evaluator.graph();
         let layout = &graph.layout;
-        let translations = graph.translations(|| evaluator.inputs(&any_phases(graph)));
-        let is_pivot = |place: usize| translations.iter().any(|one| one.pivot == place);
+        let translations = evaluator.translations();
         let place = |(contact, layout): (usize, &crate::model::ContactLayout)| ContactPlace {
             position: layout.position,
             speed: graph.speed_component(contact),
             driven: graph.driven_component(contact),
             angular: layout.angular,
-            ignorable: is_pivot(layout.position),
         };
         let contacts: Vec<_> = layout.contacts.iter().enumerate().map(place).collect();
         let is_free = |component: &usize| {
@@ -71,7 +65,6 @@ impl SystemView {
             !contacts.iter().any(has)
         };
         let free: Vec<usize> = (0..graph.derivative.len()).filter(is_free).collect();
-        let returning = free.iter().copied().filter(|place| !is_pivot(*place)).collect();
         let angles = layout.angles.clone();
         let velocity = layout.velocities.first();
         let vibration = layout
@@ -83,7 +76,6 @@ impl SystemView {
         let mut view = SystemView {
             free,
             angles,
-            returning,
             translations,
             contacts,
             vibration,
@@ -125,13 +117,11 @@ impl SystemView {
         let angular = self.contacts.iter().filter(|contact| contact.angular);
         let have_speeds = angular.clone().all(|contact| contact.speed.is_some());
         // An angle with which other components may be translated is no phase of the motion.
-        let is_alone = |place: &&usize| {
-            let turns = |translation: &Translation| {
-                !translation.others.is_empty() && translation.displaces(**place)
-            };
-            !self.translations.iter().any(turns)
+        let turns = |place: usize| {
+            let all = self.translations.0.iter().filter(|one| one.of(place) != 0.0);
+            all.map(|one| one.others.len()).max().unwrap_or_default() > 0
         };
-        let free: Vec<usize> = self.angles.iter().filter(is_alone).copied().collect();
+        let free: Vec<usize> = self.angles.iter().copied().filter(|place| !turns(*place)).collect();
         if free.is_empty() && have_speeds {
             return Vec::new();
         }
@@ -142,30 +132,6 @@ impl SystemView {
         all
     }
 
-    /// Returns the component that is the rate of change of another one, times a factor.
-    pub(super) fn velocity_of(&self, component: usize) -> Option<(usize, f64)> {
-        let velocities = self.evaluator.graph().layout.velocities.iter().flatten();
-        let rate = self.rate_of(component);
-        let mut changing =
-            velocities.map(|velocity| (*velocity, rate(Some(*velocity)) - rate(None)));
-        changing.find(|(_, factor)| *factor != 0.0).filter(|_| rate(None) == 0.0)
-    }
-
-    /// Returns the rate of change of a component that grows at a constant rate, as the time does.
-    pub(super) fn constant_rate(&self, component: usize) -> Option<f64> {
-        self.evaluator.graph().is_clock(component).then(|| self.rate_of(component)(None))
-    }
-
-    /// Returns a function that gives the rate of change of a component in a state in which one component is 1 and all others are 0.
-    fn rate_of(&self, component: usize) -> impl Fn(Option<usize>) -> f64 {
-        let phases = any_phases(self.evaluator.graph());
-        move |one| {
-            let mut state = vec![0.0; self.dimension()];
-            one.into_iter().for_each(|place| state[place] = 1.0);
-            self.evaluator.rates(&phases, &state)[component]
-        }
-    }
-
     /// Returns whether a component without contact is an angle.
     pub(super) fn is_angle(&self, component: usize) -> bool {
         self.angles.contains(&component)
@@ -173,38 +139,20 @@ impl SystemView {
 
     /// Returns whether a contact may move on and on: it revolves, or a translation that no equation notices displaces it.
     pub(super) fn moves_on(&self) -> bool {
-        let moves_on =
-            |contact: &ContactPlace| contact.angular || self.translates(contact.position);
+        let moves_on = |contact: &ContactPlace| {
+            contact.angular || self.translations.displace(contact.position)
+        };
         self.contacts.iter().any(moves_on)
     }
 
-    /// Returns whether a translation that no equation notices displaces a component.
-    pub(super) fn translates(&self, component: usize) -> bool {
-        self.evaluator.graph().translates(component)
-    }
-
-    /// Returns a component without its displacement by the translations in which the pivots are displaced as in `state`; 0 for a pivot.
-    /// In a motion that repeats, this returns.
-    pub(super) fn remaining(&self, state: &[f64], component: usize) -> f64 {
-        let carried = self.translations_of(component).map(|(pivot, by)| by * state[pivot]);
-        state[component] - carried.sum::<f64>()
+    /// Returns the components that belong to no contact and return in a motion that repeats.
+    pub(super) fn returning(&self) -> impl Iterator<Item = usize> {
+        self.free.iter().copied().filter(|place| !self.translations.has_pivot(*place))
     }
 
     /// Returns the rates of change without those of translations.
     pub(super) fn remaining_rates(&self, phases: &[Phase], state: &[f64]) -> Components {
-        let rates = self.evaluator.rates(phases, state);
-        (0..rates.len()).map(|component| self.remaining(&rates, component)).collect()
-    }
-
-    /// Returns the pivots of the translations that displace a component, and by how much; a pivot displaces itself by 1.
-    pub(super) fn translations_of(&self, component: usize) -> impl Iterator<Item = (usize, f64)> {
-        let each = self.translations.iter().map(move |one| (one.pivot, one.of(component)));
-        each.filter(|(_, by)| *by != 0.0)
-    }
-
-    /// Returns the pivots of the independent translations that no equation notices.
-    pub(super) fn pivots(&self) -> impl Iterator<Item = usize> {
-        self.translations.iter().map(|translation| translation.pivot)
+        self.translations.all_remaining(&self.evaluator.rates(phases, state))
     }
 
     /// Returns the contacts that touch another one and move with it, each with the contact that it follows: the contact
@@ -309,11 +257,4 @@ impl SystemView {
         self.vibration
             .map_or(0.0, |[x, y, x_dot, y_dot]| state[x] * state[x_dot] + state[y] * state[y_dot])
     }
-}
-
-/// Returns phases that contacts and gaps may have.
-pub(super) fn any_phases(graph: &Graph) -> Phases {
-    let mut phases = Phases::from_elem(Phase::Slip(Direction::Forward), graph.contacts.len());
-    phases.resize(phases.len() + graph.gaps.len(), Phase::Open);
-    phases
 }

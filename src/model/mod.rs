@@ -91,7 +91,7 @@ pub use given_motion::GivenMotion;
 pub use graph::{
     ContactEquations, ContactLayout, Degree, Event, EventEquations, Expression, ForcingLayout,
     GapEquations, Graph, Node, NodeId, Opening, OpeningEquations, Recorder, Solve, StateLayout,
-    Structure, SystemEquations, Translation,
+    Structure, SystemEquations, Translation, Translations,
 };
 pub(crate) use graph::{GraphPart, PerStructure};
 pub use held::{

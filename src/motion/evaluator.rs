@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::linear_system::{Solved, Unknowns};
 use super::{Phase, Phases};
-use crate::model::{Components, Dual, Graph, Node, NodeId, Number, System};
+use crate::model::{Components, Dual, Graph, Node, NodeId, Number, System, Translations};
 
 /// Speed, acceleration and forces of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,8 +148,13 @@ impl Evaluator {
         self.graph.openings.iter().zip(gaps).map(|(site, [gap, ..])| (site.contact, gap)).collect()
     }
 
+    /// Returns the translations that no equation notices.
+    pub(crate) fn translations(&self) -> Translations {
+        self.graph.translations(|| self.inputs(&self.no_phases()))
+    }
+
     /// Returns phases for quantities that do not depend on them.
-    pub(super) fn no_phases(&self) -> Phases {
+    pub(crate) fn no_phases(&self) -> Phases {
         let mut phases = Phases::from_elem(Phase::Stick, self.graph.contacts.len());
         phases.resize(phases.len() + self.graph.gaps.len(), Phase::Open);
         phases
@@ -225,8 +230,7 @@ impl Evaluator {
         values
     }
 
-    /// Returns the values of the inputs.
-    pub(crate) fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
+    pub(super) fn inputs(&self, phases: &[Phase]) -> Vec<f64> {
         let modes: SmallVec<[_; 8]> = phases.iter().map(|phase| phase.mode()).collect();
         self.system.inputs(&modes)
     }

@@ -316,3 +316,53 @@ fn blocks_topple_as_often_as_the_page_says() {
     let sentence = format!("and friction {} and {last} % for", first.join(", "));
     assert!(page.contains(&sentence), "{sentence}");
 }
+
+/// A stack of two bricks, on the ground or on a belt, with the contacts and coordinates in any order.
+fn stack(contacts: [&str; 2], coordinates: [&str; 4], force: &str) -> String {
+    let contact = |name: &str| match name {
+        "floor" => {
+            "floor: {gap: yb, sliding: xb' - vb, friction: {stribeck: {coefficient: 0.3, static_coefficient: 0.45, stribeck_speed: 0.1 m/s}}}"
+        }
+        _ => "top: {gap: ya - yb, sliding: xa' - xb', friction: {coulomb: {coefficient: 0.3}}}",
+    };
+    let coordinate = |name: &str| match name {
+        "xa" => "xa: {unit: m, start: 0, start_rate: push}",
+        "xb" => "xb: {unit: m, start: 0}",
+        "ya" => "ya: {unit: m, start: 0}",
+        _ => "yb: {unit: m, start: 0}",
+    };
+    format!(
+        "parameters: {{m: 1 kg, g: 9.81 m/s^2, {force}}}
+coordinates: {{{}}}
+mass: {{xa: {{xa: m}}, xb: {{xb: m}}, ya: {{ya: m}}, yb: {{yb: m}}}}
+force: {{ya: -m * g, yb: -m * g, xb: -k * xb}}
+contacts: {{{}}}",
+        coordinates.map(coordinate).join(", "),
+        contacts.map(contact).join(", ")
+    )
+}
+
+/// Labels do not depend on the order in which a file names contacts and coordinates.
+#[test]
+fn the_order_of_contacts_and_coordinates_does_not_matter() {
+    let orders = [["floor", "top"], ["top", "floor"]];
+    let coordinates =
+        [["xa", "xb", "ya", "yb"], ["yb", "ya", "xb", "xa"], ["xb", "yb", "xa", "ya"]];
+    let mut periods = Vec::new();
+    for (contacts, coordinates) in
+        orders.into_iter().flat_map(|order| coordinates.map(|coordinates| (order, coordinates)))
+    {
+        let rest = stack(contacts, coordinates, "vb: 0 m/s, k: 30 N/m, push: 0.5 m/s");
+        let found = &outcomes(&rest, 1, 20.0)[0];
+        assert_eq!(found.evidence.name(), "rest_certified", "{contacts:?} {coordinates:?}");
+        // The upper brick stops after 0.5 m/s / (mu g).
+        let time = found.time_to_rest_s().expect("it rests");
+        assert!((time - 0.5 / (0.3 * 9.81)).abs() < 1e-6, "{time}");
+
+        let belt = stack(contacts, coordinates, "vb: 0.2 m/s, k: 30 N/m, push: 0 m/s");
+        let found = &outcomes(&belt, 1, 60.0)[0];
+        assert_eq!(found.evidence.name(), "closed_orbit", "{contacts:?} {coordinates:?}");
+        periods.push(found.evidence.period_s().expect("a cycle"));
+    }
+    assert!(periods.iter().all(|period| (period - periods[0]).abs() < 1e-7), "{periods:?}");
+}

@@ -165,7 +165,7 @@ fn a_block_between_ground_and_belt() {
     }
 }
 
-/// A driven disc between two pads turns at the speed at which viscous drag is left, and disturbances decay as `e^(-d t / j)`.
+/// A driven disc between two pads turns steadily at the speed at which viscous drag is left.
 #[test]
 fn a_disc_turns_between_two_pads() {
     let friction =
@@ -178,15 +178,10 @@ fn a_disc_turns_between_two_pads() {
          other: {{normal: 2 * n, sliding: r / 2 * phi', friction: {friction}}}\n"
     );
     for outcome in outcomes(&system, 16, 20.0) {
-        assert_eq!(outcome.evidence.name(), "closed_orbit", "{outcome:?}");
-        let period_s = std::f64::consts::TAU / ((0.5 - 0.2 - 0.1) / 0.01);
-        let cycle = outcome.evidence.cycle().expect("known");
-        for (found, exact) in [
-            (outcome.evidence.period_s().expect("a period"), period_s),
-            (cycle.multipliers[0], (-period_s).exp()),
-        ] {
-            assert!((found - exact).abs() < 1e-7, "{found} {exact}");
-        }
+        assert_eq!(outcome.evidence.name(), "settled", "{outcome:?}");
+        let speed = outcome.outputs[1].value(OutputValue::Mean).expect("it turns");
+        assert!((speed - (0.5 - 0.2 - 0.1) / 0.01).abs() < 1e-4, "{speed}");
+        assert_eq!(outcome.balls_running, Some(2), "both contacts go round");
     }
 }
 

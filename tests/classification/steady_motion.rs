@@ -83,17 +83,94 @@ contacts: {{table: {{normal: load, sliding: e' - v, friction: {LAW}}}}}",
 /// A spring whose end hardly moves loads a block, which does not move yet: this is no equilibrium.
 #[test]
 fn a_block_that_is_loaded_slowly_is_not_at_rest() {
-    let system = format!(
-        "{}
+    for speed in ["1e-5", "1e-8", "1e-12"] {
+        let system = format!(
+            "{}
 coordinates: {{x: {{unit: m, start: 0, start_rate: [0.1, 0.2]}}}}
 mass: {{x: {{x: m}}}}
 force: {{x: k * (v * t - x) - c * x'}}
 contacts: {{table: {{normal: load, sliding: x', friction: {LAW}}}}}",
-        PULLED.replace("v: 0.1 ", "v: 1e-8 ")
-    );
-    for method in [Method::Switch, Method::Event] {
-        for outcome in runs(&system, 2, 1000.0, method) {
+            PULLED.replace("v: 0.1 ", &format!("v: {speed} "))
+        );
+        for method in [Method::Switch, Method::Event] {
+            for outcome in runs(&system, 2, 1000.0, method) {
+                assert_eq!(outcome.evidence, Evidence::EndTime, "{outcome:?}");
+            }
+        }
+    }
+}
+
+/// A block that is loaded slowly sets off one day, also beside another block that sticks and slips on a belt.
+#[test]
+fn a_block_that_is_loaded_slowly_does_not_return() {
+    let system = format!(
+        "{}
+coordinates: {{x: {{unit: m, start: 0}}, y: {{unit: m, start: [0, 0.05]}}}}
+mass: {{x: {{x: m}}, y: {{y: m}}}}
+force: {{x: k * (v * t - x), y: -k * y - c * y'}}
+contacts: {{table: {{normal: load, sliding: x', friction: {LAW}}}, belt: {{normal: load, sliding: y' - 0.2, friction: {LAW}}}}}",
+        PULLED.replace("v: 0.1 ", "v: 1e-4 ")
+    )
+    .replace("y' - 0.2", "y' - u")
+    .replace("mu: 0.2", "u: 0.2 m/s, mu: 0.2");
+    for outcome in runs(&system, 2, 60.0, Method::Event) {
+        assert_eq!(outcome.evidence, Evidence::EndTime, "{outcome:?}");
+    }
+}
+
+/// A block rests on the ground; a spring, which contains the distance alone, connects it with a mass on a belt or with one that a force
+/// shakes. The ground fixes the place of both, in any order of the file.
+#[test]
+fn a_block_that_rests_holds_what_hangs_on_it() {
+    let parameters = "parameters: {m: 1 kg, k: 100 N/m, c: 2 N s/m, v: 1 m/s, held: 1000 N, load: 10 N, mu: 0.2, p: 3 N, omega: 6 rad/s}";
+    let [a, b] = ["a: {unit: m, start: 0}", "b: {unit: m, start: [0.03, 0.05]}"];
+    for coordinates in [[a, b], [b, a]] {
+        let coordinates = coordinates.join(", ");
+        let on_belt = format!(
+            "{parameters}
+coordinates: {{{coordinates}}}
+mass: {{a: {{a: m}}, b: {{b: m}}}}
+force: {{a: k * (b - a), b: -k * (b - a)}}
+contacts: {{ground: {{normal: held, sliding: a', friction: {{coulomb: {{coefficient: mu}}}}}}, belt: {{normal: load, sliding: b' - v, friction: {{coulomb: {{coefficient: mu}}}}}}}}"
+        );
+        // Without damping, the oscillation of `b` keeps its size.
+        for outcome in runs(&on_belt, 2, 60.0, Method::Event) {
             assert_eq!(outcome.evidence, Evidence::EndTime, "{outcome:?}");
+        }
+        let shaken = format!(
+            "{parameters}
+coordinates: {{{coordinates}}}
+mass: {{a: {{a: m}}, b: {{b: m}}}}
+force: {{a: k * (b - a) + c * (b' - a'), b: -k * (b - a) - c * (b' - a') + p * cos(omega * t)}}
+contacts: {{ground: {{normal: held, sliding: a', friction: {{coulomb: {{coefficient: mu}}}}}}}}
+period: 2 * pi / omega"
+        );
+        for outcome in runs(&shaken, 2, 60.0, Method::Event) {
+            assert_eq!(outcome.evidence.name(), "periodic_rest", "{outcome:?}");
+        }
+    }
+}
+
+/// A ring carries a disc by a magnetic force, which is periodic in the angle between them, against friction and drag; the damping contains
+/// `sqrt(1 - d^2)`, which is a number for the parameters of the file alone.
+#[test]
+fn a_magnet_carries_a_disc() {
+    for periodic in ["", ", periodic: true"] {
+        let system = format!(
+            "parameters: {{j: 1 kg m^2, k: 30 N m, torque: 10 N m, drag: 1 N m s, load: 20 N m, mu: 0.3, d: 0.6}}
+coordinates: {{theta: {{unit: rad, start: 0, start_rate: 2{periodic}}}, phi: {{unit: rad, start: 0, start_rate: 2{periodic}}}}}
+mass: {{theta: {{theta: j}}, phi: {{phi: j}}}}
+force: {{theta: torque - k * sin(theta - phi) - d * sqrt(1 - d^2) * drag * theta', phi: k * sin(theta - phi) - drag * phi'}}
+contacts: {{pads: {{normal: load, sliding: phi', friction: {{coulomb: {{coefficient: mu}}}}}}}}"
+        );
+        for outcome in runs(&system, 2, 200.0, Method::Event) {
+            let speed = (10.0 - 6.0) / (1.0 + 0.48);
+            if periodic.is_empty() {
+                assert_steady(&outcome, &[speed, speed]);
+            } else {
+                let mean = outcome.outputs[3].value(OutputValue::Mean).expect("a mean");
+                assert!((mean - speed).abs() < 1e-5, "{outcome:?}");
+            }
         }
     }
 }
@@ -185,6 +262,21 @@ contacts: {road: {normal: load, sliding: x' - r * phi', friction: {coulomb: {coe
             let margin = outcome.evidence.friction_margin().expect("the road holds the wheel");
             let expected = 1.0 - 100.0 / 0.3 / 700.0;
             assert!((margin - expected).abs() < 1e-5, "{margin} is not {expected}");
+        }
+    }
+}
+
+/// A box that falls on a conveyor slips, and then rides on it.
+#[test]
+fn a_box_rides_on_a_conveyor() {
+    let system = "parameters: {m: 2 kg, load: 20 N, v: 0.5 m/s, mu: 0.3}
+coordinates: {x: {unit: m, start: 0, start_rate: [-1, 2]}}
+mass: {x: {x: m}}
+contacts: {belt: {normal: load, sliding: x' - v, friction: {coulomb: {coefficient: mu}}}}";
+    for method in [Method::Switch, Method::Event] {
+        for outcome in runs(system, 3, 50.0, method) {
+            assert_steady(&outcome, &[0.5]);
+            assert_eq!(outcome.evidence.friction_margin(), Some(1.0), "{outcome:?}");
         }
     }
 }

@@ -196,6 +196,7 @@ fn formulas_are_read_in_full() {
 const WRONG_KEYS: &str = r#"system: two_carts ¦ system: Two Carts ¦ 6 ¦ not a name of a system ¦ Two Carts ¦ lower-case
 meaning: Two carts on a belt. ¦ means: x ¦ 7 ¦ unknown key ¦ means ¦ meaning (did you
 2 kg, meaning ¦ 2 kq, meaning ¦ 10 ¦ unknown unit ¦ kq ¦ an SI unit
+2 kg, meaning ¦ 20 Hz, meaning ¦ 10 ¦ unknown unit ¦ Hz ¦ 1/s for a frequency
 m: {value: 2 kg ¦ m: {value: heavy ¦ 10 ¦ not a value ¦ heavy ¦ 0.3 kg
 mu: 0.2 ¦ l_m: 0.2 ¦ 13 ¦ a name that ends like a unit ¦ l_m ¦ another ending
 mu: 0.2 ¦ pi: 0.2 ¦ 13 ¦ another meaning ¦ pi ¦ a name of its own

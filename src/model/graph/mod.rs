@@ -32,4 +32,4 @@ pub(crate) use per_structure::PerStructure;
 pub use per_structure::Structure;
 pub use recorded::Graph;
 pub use recorder::Recorder;
-pub use translation::Translation;
+pub use translation::{Translation, Translations};

@@ -3,8 +3,8 @@
 use super::part::needed_by;
 use super::recorder::Recording;
 use super::{
-    ContactEquations, ContactLayout, Event, EventEquations, GapEquations, GraphPart, Node, NodeId,
-    Opening, OpeningEquations, Recorder, Solve, StateLayout, SystemEquations, Translation,
+    ContactEquations, Event, EventEquations, GapEquations, GraphPart, Node, NodeId, Opening,
+    OpeningEquations, Recorder, Solve, StateLayout, SystemEquations, Translations,
 };
 
 /// The recorded equations of a system.
@@ -35,7 +35,7 @@ pub struct Graph {
     /// The nodes that depend on unknowns of linear systems and that rates and openings need, operands first.
     pub(crate) rates_with_unknowns: Vec<NodeId>,
     /// The translations that no equation notices, whatever the parameters are, with examples of their factors.
-    translations: Vec<Translation>,
+    translations: Translations,
     /// The sliding speed of each contact.
     pub(crate) sliding_speeds: GraphPart,
     /// The gap, the opening speed and the sliding speed of each opening, one after another.
@@ -54,9 +54,7 @@ impl Graph {
         let mut nodes = self.depending_on(|node| matches!(node, Node::Solution { .. }));
         nodes.retain(|node| is_needed[*node as usize]);
         self.rates_with_unknowns = nodes;
-        // No coefficient is zero, and no two are equal, at these values.
-        let generic = (1..=self.inputs.len()).map(|input| libm::sqrt(2.0 + input as f64));
-        self.translations = self.find_translations(&generic.collect::<Vec<_>>());
+        self.translations = self.find_translations(None);
         self
     }
 
@@ -79,29 +77,23 @@ impl Graph {
         (0..).zip(depends).filter(|(_, depends)| *depends).map(|(node, _)| node).collect()
     }
 
-    /// Returns whether a contact may creep: its position, which is no angle, occurs in no equation.
-    pub fn may_creep(&self, contact: &ContactLayout) -> bool {
-        let is_its = |translation: &Translation| {
-            translation.pivot == contact.position && translation.others.is_empty()
-        };
-        self.translations.iter().any(is_its)
-    }
-
     /// Returns the translations that no equation notices at these values of the inputs.
-    pub fn translations(&self, inputs: impl FnOnce() -> Vec<f64>) -> Vec<Translation> {
-        let has_factors =
-            self.translations.iter().any(|translation| !translation.others.is_empty());
-        if has_factors { self.find_translations(&inputs()) } else { self.translations.clone() }
+    pub(crate) fn translations(&self, inputs: impl FnOnce() -> Vec<f64>) -> Translations {
+        let has_factors = self.translations.0.iter().any(|one| !one.others.is_empty());
+        match has_factors {
+            true => self.find_translations(Some(&inputs())),
+            false => self.translations.clone(),
+        }
     }
 
-    /// Returns whether there are translations that no equation notices, whatever the parameters are.
-    pub(crate) fn has_translations(&self) -> bool {
-        !self.translations.is_empty()
-    }
-
-    /// Returns whether a translation that no equation notices displaces a component.
+    /// Returns whether a translation that no equation notices, whatever the parameters are, displaces a component.
     pub(crate) fn translates(&self, component: usize) -> bool {
-        self.translations.iter().any(|translation| translation.displaces(component))
+        self.translations.displace(component)
+    }
+
+    /// Returns whether there is such a translation.
+    pub(crate) fn has_translations(&self) -> bool {
+        self.translations != Translations::default()
     }
 
     /// Returns the component that is the sliding speed of a contact, if it is one component.
@@ -174,6 +166,13 @@ impl Graph {
         }
     }
 
+    /// Returns the component that alone determines the rate of change of another one, as a velocity does.
+    pub(crate) fn only_rate(&self, component: usize) -> Option<usize> {
+        let rate = self.derivative[component];
+        let mut velocities = self.layout.velocities.iter().flatten().copied();
+        velocities.find(|one| !self.is_clock(component) && self.depends_at_most_on(rate, &[*one]))
+    }
+
     /// Returns whether a component grows at a constant rate, as the time does.
     pub(crate) fn is_clock(&self, component: usize) -> bool {
         self.depends_at_most_on(self.derivative[component], &[])
@@ -235,7 +234,7 @@ impl Recorder {
             openings,
             layout: equations.layout.clone(),
             rates_with_unknowns: Vec::new(),
-            translations: Vec::new(),
+            translations: Translations::default(),
             sliding_speeds: GraphPart::default(),
             opening_speeds: GraphPart::default(),
         }

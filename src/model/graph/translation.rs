@@ -1,19 +1,19 @@
 //! Translations that no equation notices, such as the turn of a whole drill string, whose equations contain only differences of angles.
 //!
-//! From the translated state, a motion is the same motion translated: only the remaining coordinates need to return for a motion to
-//! repeat (J. E. Marsden, T. S. Ratiu, *Introduction to Mechanics and Symmetry*, 2nd ed., Springer 1999,
-//! doi:10.1007/978-0-387-21792-5). The time belongs to them: in `k (v t - x)`, it and the position may grow together.
+//! From the translated state, a motion is the same motion translated: only what remains of the coordinates needs to return for a motion
+//! to repeat (J. E. Marsden, T. S. Ratiu, *Introduction to Mechanics and Symmetry*, 2nd ed., Springer 1999,
+//! doi:10.1007/978-0-387-21792-5). The time may be displaced, too: in `k (v t - x)`, it and the position grow together.
 //!
 //! Each node is a linear function of the state with constant coefficients, beside a function that is the same in translated states.
 //! This holds if the linear functions that are operands of a product, a sine or another function, and those of the equations
 //! themselves, are the same in translated states. The directions in which all of these are constant are the translations.
 
-use super::{ContactLayout, Graph, Node, NodeId};
+use super::{Graph, Node, NodeId};
 
-/// Coefficients below this one, over the largest one of a linear function, are rounding.
-const ROUNDING: f64 = 1e-9;
+/// A sum below this part of its first summand is rounding.
+const ROUNDING: f64 = 1e-12;
 /// The least coefficient by which a linear function is solved for a preferred component, over the largest one.
-const PIVOT: f64 = 1e-3;
+const PIVOT: f64 = 1e-6;
 
 /// A translation of states.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,13 +27,55 @@ pub struct Translation {
 impl Translation {
     /// Returns by how much it displaces a component.
     pub fn of(&self, component: usize) -> f64 {
-        let mut others = self.others.iter().filter(|(place, _)| *place == component);
-        if self.pivot == component { 1.0 } else { others.next().map_or(0.0, |(_, by)| *by) }
+        let other = self.others.iter().find(|(place, _)| *place == component);
+        if self.pivot == component { 1.0 } else { other.map_or(0.0, |(_, by)| *by) }
+    }
+}
+
+/// Independent translations. None of them displaces the pivot of another one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Translations(pub Vec<Translation>);
+
+impl Translations {
+    /// Returns those that displace none of some components.
+    pub fn without(&self, held: impl Fn(usize) -> bool) -> Self {
+        let moves_none = |one: &&Translation| {
+            !held(one.pivot) && !one.others.iter().any(|(component, _)| held(*component))
+        };
+        Translations(self.0.iter().filter(moves_none).cloned().collect())
     }
 
-    /// Returns whether it displaces a component.
-    pub fn displaces(&self, component: usize) -> bool {
-        self.of(component) != 0.0
+    /// Returns the pivots.
+    pub fn pivots(&self) -> impl Iterator<Item = usize> {
+        self.0.iter().map(|one| one.pivot)
+    }
+
+    /// Returns whether a component is a pivot.
+    pub fn has_pivot(&self, component: usize) -> bool {
+        self.pivots().any(|pivot| pivot == component)
+    }
+
+    /// Returns the pivots of the translations that displace a component, and by how much; a pivot displaces itself by 1.
+    pub fn carriers(&self, component: usize) -> impl Iterator<Item = (usize, f64)> {
+        let each = self.0.iter().map(move |one| (one.pivot, one.of(component)));
+        each.filter(|(_, by)| *by != 0.0)
+    }
+
+    /// Returns whether they displace a component.
+    pub fn displace(&self, component: usize) -> bool {
+        self.carriers(component).next().is_some()
+    }
+
+    /// Returns what remains of a component without its displacement, if the pivots are displaced as in a state or in its rates: it
+    /// returns in a motion that repeats. Nothing remains of a pivot.
+    pub fn remaining(&self, state: impl Fn(usize) -> f64, component: usize) -> f64 {
+        let carried = self.carriers(component).map(|(pivot, by)| by * state(pivot));
+        state(component) - carried.sum::<f64>()
+    }
+
+    /// Returns what remains of all components.
+    pub fn all_remaining<C: FromIterator<f64>>(&self, state: &[f64]) -> C {
+        (0..state.len()).map(|component| self.remaining(|place| state[place], component)).collect()
     }
 }
 
@@ -41,9 +83,9 @@ impl Translation {
 type Linear = Vec<f64>;
 
 impl Graph {
-    /// Returns independent translations that no equation notices, at these values of the inputs. No pivot is displaced by another
-    /// translation, and a pivot is the position of a contact only if no other component could be one.
-    pub(super) fn find_translations(&self, inputs: &[f64]) -> Vec<Translation> {
+    /// Returns the translations that no equation notices, at these values of the inputs, or else whatever the parameters are. A
+    /// pivot is the position of a contact only if no other component could be one.
+    pub(super) fn find_translations(&self, inputs: Option<&[f64]>) -> Translations {
         let n = self.derivative.len();
         let mut constraints = Constraints { rows: Vec::new(), preference: self.preference() };
         let linear = self.linear_functions(inputs, &mut constraints);
@@ -57,35 +99,33 @@ impl Graph {
             row[*component] -= 1.0;
             constraints.add(&row);
         }
-        let is_pivot = |place: &usize| {
-            let is_angle = |contact: &ContactLayout| contact.angular && contact.position == *place;
-            !constraints.rows.iter().any(|(solved, _)| solved == place)
-                && !self.layout.contacts.iter().any(is_angle)
-        };
+        // The angle of a contact jumps back after a turn, and the phase of a force after a period.
+        let angles = self.layout.contacts.iter().filter(|contact| contact.angular);
+        let phase = self.layout.forcing.map(|forcing| forcing.component);
+        for angle in angles.map(|contact| contact.position) {
+            if constraints.rows.iter().any(|(_, row)| row[angle] != 0.0) {
+                constraints.add_component(angle, n);
+            }
+        }
+        phase.into_iter().for_each(|phase| constraints.add_component(phase, n));
+        let is_pivot = |place: &usize| !constraints.rows.iter().any(|(solved, _)| solved == place);
         let along = |pivot: usize| {
             let others = constraints.rows.iter().map(|(place, row)| (*place, -row[pivot]));
-            Translation { pivot, others: others.filter(|(_, by)| by.abs() > ROUNDING).collect() }
+            Translation { pivot, others: others.filter(|(_, by)| *by != 0.0).collect() }
         };
-        let forcing = self.layout.forcing.map(|forcing| forcing.component);
-        let moves_phase = |translation: &Translation| {
-            let mut moved = translation.others.iter().map(|(place, _)| *place);
-            Some(translation.pivot) == forcing || moved.any(|place| Some(place) == forcing)
-        };
-        let translations = (0..n).filter(is_pivot).map(along);
-        translations.filter(|translation| !moves_phase(translation)).collect()
+        Translations((0..n).filter(is_pivot).map(along).collect())
     }
 
     /// Returns the components in the order in which linear functions are solved for them.
     fn preference(&self) -> Vec<usize> {
         let layout = &self.layout;
         let rank = |place: &usize| {
-            let mut contacts = layout.contacts.iter();
-            match contacts.find(|contact| contact.position == *place) {
-                Some(contact) if contact.angular => 0,
-                Some(_) => 1,
-                None if layout.angles.contains(place) => 2,
-                None if matches!(self.nodes[self.derivative[*place] as usize], Node::State(_)) => 3,
-                None => 4,
+            let of_contact = layout.contacts.iter().any(|contact| contact.position == *place);
+            let clock = self.is_clock(*place);
+            if of_contact {
+                0
+            } else {
+                1 + u8::from(!layout.angles.contains(place)) + u8::from(clock)
             }
         };
         let mut places: Vec<usize> = (0..self.derivative.len()).collect();
@@ -94,7 +134,7 @@ impl Graph {
     }
 
     /// Returns the nodes of all equations but for the values that events give.
-    pub(super) fn equations(&self) -> impl Iterator<Item = NodeId> {
+    fn equations(&self) -> impl Iterator<Item = NodeId> {
         let openings = self.openings.iter().flat_map(|opening| {
             [opening.gap, opening.speed, opening.acceleration, opening.force, opening.friction]
         });
@@ -106,7 +146,11 @@ impl Graph {
     }
 
     /// Returns the linear function that each node contains, and adds those that must be constant.
-    fn linear_functions(&self, inputs: &[f64], constraints: &mut Constraints) -> Vec<Linear> {
+    fn linear_functions(
+        &self,
+        inputs: Option<&[f64]>,
+        constraints: &mut Constraints,
+    ) -> Vec<Linear> {
         let n = self.derivative.len();
         let resets = self.events.iter().flat_map(|event| &event.reset).map(|(_, value)| *value);
         let is_needed = self.needed_by(self.equations().chain(resets));
@@ -121,57 +165,61 @@ impl Graph {
                 _ => operands.iter().all(|operand| known[*operand as usize].is_some()),
             };
             let at = |node: NodeId| known[node as usize].unwrap_or(f64::NAN);
-            let value = is_known.then(|| node.value(at, |input| inputs[input], |_| f64::NAN));
-            if !is_needed[place] || is_known {
-                linear.push(Linear::new());
-                known.push(value);
-                continue;
-            }
-            let of = |node: NodeId| &linear[node as usize];
-            let mut changed = |node: NodeId| constraints.add(of(node));
+            let input =
+                |input: usize| inputs.map_or_else(|| any_number(input as f64), |all| all[input]);
+            let value = is_known.then(|| node.value(at, input, |_| f64::NAN));
+            // The square root of any number may be none, but that of the parameters is one.
+            let finite = |value: f64| match inputs {
+                None if !value.is_finite() => any_number(place as f64 + 0.5),
+                _ => value,
+            };
+            let scaled =
+                |factor: f64, node: NodeId| combined(factor, &linear[node as usize], 0.0, &[]);
+            let (of, known_of) =
+                (|node: NodeId| &linear[node as usize], |node: NodeId| known[node as usize]);
             let function = match *node {
-                Node::State(component) | Node::Discrete(component) => {
-                    let mut unit = vec![0.0; n];
-                    unit[component as usize] = 1.0;
-                    unit
-                }
-                Node::Sum(a, b) => combined((1.0, of(a)), (1.0, of(b))),
-                Node::Difference(a, b) => combined((1.0, of(a)), (-1.0, of(b))),
-                Node::Negation(a) => combined((-1.0, of(a)), (0.0, &Linear::new())),
-                Node::Product(a, b) => match (known[a as usize], known[b as usize]) {
-                    (Some(factor), _) => combined((factor, of(b)), (0.0, &Linear::new())),
-                    (_, Some(factor)) => combined((factor, of(a)), (0.0, &Linear::new())),
-                    _ => {
-                        changed(a);
-                        changed(b);
-                        Linear::new()
-                    }
-                },
-                Node::Quotient(a, b) if known[b as usize].is_some() => {
-                    combined((1.0 / at(b), of(a)), (0.0, &Linear::new()))
-                }
+                _ if is_known || !is_needed[place] => Linear::new(),
+                Node::State(component) | Node::Discrete(component) => unit(component as usize, n),
+                Node::Sum(a, b) => combined(1.0, of(a), 1.0, of(b)),
+                Node::Difference(a, b) => combined(1.0, of(a), -1.0, of(b)),
+                Node::Negation(a) => scaled(-1.0, a),
+                Node::Product(a, b) if let Some(factor) = known_of(a) => scaled(factor, b),
+                Node::Product(a, b) if let Some(factor) = known_of(b) => scaled(factor, a),
+                Node::Quotient(a, b) if let Some(divisor) = known_of(b) => scaled(1.0 / divisor, a),
                 _ => {
-                    operands.iter().for_each(|operand| changed(*operand));
+                    operands.iter().for_each(|operand| constraints.add(of(*operand)));
                     Linear::new()
                 }
             };
             linear.push(function);
-            known.push(None);
+            known.push(value.map(finite));
         }
         linear
     }
 }
 
+/// Returns one of many numbers between 0 and 1 that fulfil no equation with each other.
+fn any_number(index: f64) -> f64 {
+    0.6 + 0.35 * libm::sin(1.0 + index + index * index)
+}
+
+fn unit(component: usize, n: usize) -> Linear {
+    (0..n).map(|place| if place == component { 1.0 } else { 0.0 }).collect()
+}
+
 /// Returns a linear combination.
-fn combined((a, left): (f64, &Linear), (b, right): (f64, &Linear)) -> Linear {
-    let at = |function: &Linear, place: usize| function.get(place).copied().unwrap_or(0.0);
-    let size = left.len().max(right.len());
-    let sum = |place: usize| {
-        let (left, right) = (a * at(left, place), b * at(right, place));
-        let sum = left + right;
-        if sum.abs() <= ROUNDING * left.abs() { 0.0 } else { sum }
+fn combined(a: f64, left: &[f64], b: f64, right: &[f64]) -> Linear {
+    let times = |factor: f64, function: &[f64], place: usize| match function.get(place) {
+        Some(entry) if *entry != 0.0 => factor * entry,
+        _ => 0.0,
     };
-    (0..size).map(sum).collect()
+    let sum = |place: usize| sum(times(a, left, place), times(b, right, place));
+    (0..left.len().max(right.len())).map(sum).collect()
+}
+
+/// Returns a sum, or 0 if the summands differ by rounding alone.
+fn sum(a: f64, b: f64) -> f64 {
+    if (a + b).abs() <= ROUNDING * a.abs() { 0.0 } else { a + b }
 }
 
 /// Linear functions that must be constant, each solved for one component, which occurs in no other one.
@@ -181,31 +229,29 @@ struct Constraints {
 }
 
 impl Constraints {
+    /// Adds that a component must be constant.
+    fn add_component(&mut self, component: usize, n: usize) {
+        self.add(&unit(component, n));
+    }
+
     /// Adds a linear function that must be constant.
     fn add(&mut self, function: &Linear) {
         let mut row = function.clone();
         // Where coefficients are not numbers, each component by itself must be constant.
         if !row.iter().all(|entry| entry.is_finite()) {
-            for place in (0..row.len()).filter(|place| row[*place] != 0.0) {
-                let unit = (0..row.len()).map(|other| if other == place { 1.0 } else { 0.0 });
-                self.add(&unit.collect());
-            }
+            let places = (0..row.len()).filter(|place| row[*place] != 0.0);
+            places.for_each(|place| self.add_component(place, row.len()));
             return;
         }
-        let size = row.iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
-        if size == 0.0 {
-            return;
-        }
-        row.iter_mut().for_each(|entry| *entry /= size);
         for (place, solved) in &self.rows {
             eliminate(&mut row, *place, solved);
         }
         let largest = row.iter().fold(0.0, |size: f64, entry| size.max(entry.abs()));
-        let is_least = |place: &&usize| row[**place].abs() >= PIVOT * largest;
-        let Some(place) = self.preference.iter().find(is_least).copied() else { return };
-        if largest <= ROUNDING {
-            return;
-        }
+        let is_large = |place: &&usize| {
+            let size = row.get(**place).map_or(0.0, |entry| entry.abs());
+            size > 0.0 && size >= PIVOT * largest
+        };
+        let Some(place) = self.preference.iter().find(is_large).copied() else { return };
         let pivot = row[place];
         row.iter_mut().for_each(|entry| *entry /= pivot);
         for (_, solved) in &mut self.rows {
@@ -217,9 +263,9 @@ impl Constraints {
 
 /// Subtracts a multiple of a solved function, so that its component vanishes.
 fn eliminate(row: &mut Linear, place: usize, solved: &Linear) {
-    let factor = row[place];
+    let factor = row.get(place).copied().unwrap_or(0.0);
     if factor != 0.0 {
-        row.iter_mut().zip(solved).for_each(|(entry, solved)| *entry -= factor * solved);
+        row.iter_mut().zip(solved).for_each(|(entry, part)| *entry = sum(*entry, -factor * part));
         row[place] = 0.0;
     }
 }

@@ -158,9 +158,7 @@ impl Instance<'_> {
     }
 
     /// Returns the velocities whose integrals are positions in place of coordinates. The integral of a sliding speed with an angle
-    /// that goes round and round is no function of the state. Of contacts that open and move the same coordinates, only the first
-    /// has its integral as a position: otherwise no position would be one on which nothing depends, such as the height of a body
-    /// that falls.
+    /// that goes round and round is no function of the state.
     pub fn choose_positions(
         &self,
         chosen: &[SpeedOf],
@@ -169,24 +167,19 @@ impl Instance<'_> {
         let is_periodic =
             |(of, _): &(usize, f64)| self.definition.coordinates[self.coordinates[*of].of].periodic;
         let mut rates = Rates::<f64>::identity(self.coordinates.len());
-        let (mut integrals, mut moved) = (Vec::new(), Vec::new());
+        let mut integrals = Vec::new();
         for (contact, speed_of) in chosen.iter().enumerate() {
             let speed = match speed_of {
                 SpeedOf::Formula => None,
                 _ => self.linear(contact, numeric)?,
             };
-            let opens = self.has_gap(contact);
-            let is_free = |speed: &LinearForm<f64>| {
-                let is_moved = speed.factors.iter().any(|(of, _)| moved.contains(of));
-                !(opens && is_moved || speed.factors.iter().any(is_periodic))
-            };
+            let is_free = |speed: &LinearForm<f64>| !speed.factors.iter().any(is_periodic);
             let speed = match speed_of {
                 SpeedOf::Same(place) | SpeedOf::Multiple(place) => {
                     speed.filter(|_| integrals.contains(&SpeedOf::Velocity(*place)))
                 }
                 _ => speed.filter(is_free),
             };
-            moved.extend(speed.iter().flat_map(|speed| &speed.factors).map(|(of, _)| *of));
             integrals.push(match (*speed_of, speed.map(|speed| rates.of_velocities(&speed))) {
                 (SpeedOf::Velocity(place), Some(all)) if all.0[place].abs() > ROUNDING => {
                     rates.replace(place, &all);

@@ -202,7 +202,12 @@ pub(crate) fn unit_of(text: &str) -> Result<(String, Dimension), Fault> {
     if text == "1" {
         return Ok(("1".to_owned(), [0; 4]));
     }
-    let allowed = "an SI unit or a multiple of one, such as kg, mm, N, N/m, N s/m, rad/s or kg m^2";
+    let allowed = match text.to_lowercase().contains("hz") {
+        true => {
+            "1/s for a frequency `f` in `sin(2 * pi * f * t)`, rad/s, rev/s or rpm for a speed of rotation"
+        }
+        false => "an SI unit or a multiple of one, such as kg, mm, N, N/m, N s/m, rad/s or kg m^2",
+    };
     let factors = factors(text).map_err(|_| Fault::new("unknown unit", shorten(text), allowed))?;
     let dimension = dimension_of(&factors);
     let known = SI_UNITS.iter().find(|unit| dimension_of(&factors_of_si(unit)) == dimension);
