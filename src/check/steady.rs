@@ -68,7 +68,8 @@ impl SteadyStates {
                     if is_sampled { low + (high - low) * sample(number, place) } else { 0.0 }
                 });
                 let mut state = model.start_state(&Start(start.collect())).ok()?;
-                if moves && starts_at_rest {
+                // Half of the motions start with any velocities.
+                if moves && (starts_at_rest || number % 2 == 1) {
                     for component in graph.layout.velocities.iter().flatten() {
                         state[*component] = 2.0 * sample(number, *component) - 1.0;
                     }
@@ -88,12 +89,13 @@ impl SteadyStates {
                     continue;
                 }
                 let constants = examined.constants(&units);
-                let place = examined.place(&constants);
+                let state = examined.sliding(model, &units, &constants)?;
+                let place = examined.place(&constants, &state);
                 let is_known = |known: &Vec<f64>| {
                     known.iter().zip(&place).all(|(left, right)| (left - right).abs() < SAME)
                 };
                 if !found.iter().any(is_known) {
-                    states.sliding.push(examined.sliding(model, &units, &constants)?);
+                    states.sliding.push(state);
                     found.push(place);
                 }
             }
@@ -101,6 +103,12 @@ impl SteadyStates {
         states.held_fraction = may_hold.then(|| f64::from(held) / EXAMINED as f64);
         Some(states)
     }
+}
+
+/// Returns an angle in [0, 2π), where an angle that is 2π but for rounding is 0.
+fn within_a_turn(angle: f64) -> f64 {
+    let angle = wrap_to_two_pi(angle);
+    if std::f64::consts::TAU - angle < SAME { 0.0 } else { angle }
 }
 
 /// Returns a point of a sequence that fills the unit cube evenly: multiples of square roots of primes (Weyl).
@@ -243,22 +251,19 @@ impl<'e> SteadyState<'e> {
                 (rate, now.get(rate).copied().unwrap_or_default())
             }
             false if units.outputs.get(number).is_some_and(|units| units.angular) => {
-                (number, wrap_to_two_pi(now[number]))
+                (number, within_a_turn(now[number]))
             }
             false => (number, now[number]),
         };
         (0..count).map(constant).collect()
     }
 
-    /// Returns values that are equal in equal states.
-    fn place(&self, constants: &[(usize, f64)]) -> Vec<f64> {
-        let remaining =
-            |component: &usize| self.translations.remaining(|place| self.state[place], *component);
-        // Angles of motions that go on are not reduced to one turn.
-        match self.translations == Translations::default() {
-            true => constants.iter().map(|(_, value)| *value).collect(),
-            false => self.variables.iter().map(remaining).collect(),
-        }
+    /// Returns values that are equal in equal states. Of motions that go on, only speeds are known; those with equal
+    /// speeds differ in their stability.
+    fn place(&self, constants: &[(usize, f64)], state: &SteadySliding) -> Vec<f64> {
+        let values = constants.iter().map(|(_, value)| *value);
+        let goes_on = self.translations != Translations::default();
+        values.chain(goes_on.then_some(state.largest_real_part_1_s)).collect()
     }
 
     fn sliding(

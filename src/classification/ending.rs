@@ -2,6 +2,7 @@
 
 use super::closed_orbit::Orbit;
 use super::periodic_creep::Creep;
+use crate::model::Components;
 use crate::motion::Failure;
 
 /// How the simulation ended.
@@ -9,7 +10,7 @@ pub(super) enum Ending {
     /// All contacts stick for good.
     Rest,
     /// An equilibrium without dry friction is near.
-    Settled,
+    Settled(Box<Components>),
     /// The run is on a cycle of revolving contacts.
     Orbit(Box<Orbit>),
     /// The run is on a cycle between break-aways of its single contact.

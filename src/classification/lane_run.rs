@@ -177,7 +177,7 @@ impl LaneRun {
             let settled = self.settled.look(&self.view, at, [since, time, self.horizons.now.end]);
             if let Some(at_rest) = settled {
                 let ending = match at_rest {
-                    RestKind::Settled => Ending::Settled,
+                    RestKind::Settled(place) => Ending::Settled(place),
                     RestKind::Held => Ending::Rest,
                 };
                 return self.end_with(group, lane, ending);

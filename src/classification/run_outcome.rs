@@ -70,12 +70,12 @@ impl LaneRun {
                     if certified { Evidence::RestCertified } else { Evidence::RestContracting };
                 self.at_rest(&step, base, |margin| evidence(rest(stopped(), margin)))
             }
-            Ending::Settled => {
+            Ending::Settled(place) => {
                 let margin = friction_margin(&self.view, step.phases(), &group.state(lane));
                 let settled = Evidence::Settled(rest(self.slow_since(&step), margin));
                 let touching = self.with_force(&base, self.force_in_gaps(&step));
                 // Steady motion goes on.
-                let rates = self.view.evaluator.rates(step.phases(), &group.state(lane));
+                let rates = self.view.evaluator.rates(step.phases(), &place);
                 let speed = |contact: &ContactPlace| match rates[contact.position] {
                     rate if rate.abs() > SLOW => rate,
                     _ => 0.0,
@@ -139,7 +139,7 @@ impl LaneRun {
                 let rest = self.view.rest_forms().and_then(|forms| forms.rest_state(&state));
                 self.constant_outputs(step.phases(), rest.as_ref().unwrap_or(&state))
             }
-            Ending::Settled => self.constant_outputs(step.phases(), &state),
+            Ending::Settled(place) => self.constant_outputs(step.phases(), place),
             Ending::Orbit(orbit) => orbit.outputs.clone(),
             Ending::Creep(creep) => creep.outputs.clone(),
             Ending::BreakAways { .. } => match &self.watch {

@@ -351,12 +351,13 @@ fn relative_speed(view: &SystemView, component: usize) -> Option<Marking> {
         velocity.into_iter().for_each(|velocity| state[velocity] = 1.0);
         view.evaluator.rates(&view.evaluator.no_phases(), &state)[place]
     };
-    let carried = |place: &usize| {
-        let mut carriers = view.translations.carriers(*place).filter(|(pivot, _)| pivot != place);
-        Some((*place, carriers.next()?)).filter(|_| carriers.next().is_none())
+    let carried = |place: usize| {
+        let mut carriers = view.translations.carriers(place).filter(|(pivot, _)| *pivot != place);
+        Some((place, carriers.next()?)).filter(|_| carriers.next().is_none())
     };
-    let mut all = (0..view.dimension()).filter(|place| graph.only_rate(*place) == Some(component));
-    let (position, (pivot, by)) = all.find_map(|place| carried(&place))?;
+    let mut all = (0..view.dimension()).filter_map(carried);
+    let (position, (pivot, by)) =
+        all.find(|(place, _)| graph.only_rate(*place) == Some(component))?;
     let factor = rate_of(position, Some(component));
     if graph.is_clock(pivot) {
         return Some(Marking::new(component, by * rate_of(pivot, None) / factor));

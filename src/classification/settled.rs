@@ -20,7 +20,7 @@ use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 use super::held_bodies::{friction_margin, held_margin};
 use super::rest_in_touch::at_rest;
 use super::system_view::SystemView;
-use crate::model::{Friction, Translations};
+use crate::model::{Components, Friction, Translations};
 use crate::motion::{Phase, lies};
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
@@ -48,8 +48,8 @@ const RESERVE: f64 = 1e-6;
 
 /// How a motion is at rest.
 pub(super) enum RestKind {
-    /// It has settled.
-    Settled,
+    /// It has settled at this equilibrium.
+    Settled(Box<Components>),
     /// Contacts hold all bodies.
     Held,
 }
@@ -86,7 +86,8 @@ impl SettledWatch {
             return None;
         }
         self.next = 1.5 * time;
-        has_settled(view, &at_rest(view, phases, state), state)?.then_some(RestKind::Settled)
+        let place = equilibrium(view, &at_rest(view, phases, state), state)?;
+        Some(RestKind::Settled(Box::new(place)))
     }
 }
 
@@ -202,14 +203,14 @@ impl<'a> ReducedCoordinates<'a> {
     }
 }
 
-/// Returns whether a state is near a stable equilibrium; `None` if that cannot be computed.
-fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<bool> {
+/// Returns the stable equilibrium near a state; `None` without one, or if that cannot be computed.
+fn equilibrium(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<Components> {
     let reduced = ReducedCoordinates::new(view, phases, state);
     let rate = |point: &DVector<f64>| reduced.rate(point);
     let steps = steps(&reduced);
     let start = reduced.of_state(state);
     if start.is_empty() {
-        return Some(reduced.is_held(&start));
+        return reduced.is_held(&start).then(|| Components::from(state));
     }
     let (mut equilibrium, mut last) = (start.clone(), f64::INFINITY);
     for _ in 0..5 {
@@ -220,12 +221,12 @@ fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<boo
         equilibrium += step;
         let is_near = (&equilibrium - &start).amax() <= NEAR;
         if !is_near {
-            return Some(false);
+            return None;
         }
     }
     let is_there = rate(&equilibrium).amax() <= 1e-3 * SLOW && last <= THERE;
     if !is_there || !reduced.is_held(&equilibrium) {
-        return Some(false);
+        return None;
     }
     let slope = jacobian(rate, &equilibrium, &steps)?;
     let family = family_dimension(&reduced, &slope)?;
@@ -233,12 +234,18 @@ fn has_settled(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<boo
     // determinant tells whether their number right of the imaginary axis is odd.
     let is_odd = slope.nrows() % 2 == 1;
     if family == 0 && (slope.determinant() < 0.0) != is_odd {
-        return Some(false);
+        return None;
     }
     let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();
     let stay: Vec<_> = eigenvalues.iter().filter(|value| value.re >= -NEUTRAL).collect();
     let is_zero = |value: &Complex<f64>| value.norm() <= NEUTRAL.sqrt() && value.re <= NEUTRAL;
-    Some(stay.len() <= family && stay.into_iter().all(is_zero))
+    let is_stable = stay.len() <= family && stay.into_iter().all(is_zero);
+    // The pivots keep their places.
+    let carried = |component: usize| {
+        state[component] - reduced.translations.remaining(|place| state[place], component)
+    };
+    let place = reduced.state(&equilibrium).into_iter().zip(0..);
+    is_stable.then(|| place.map(|(value, component)| value + carried(component)).collect())
 }
 
 /// Returns Newton's step; for a singular matrix of a family of equilibria, the shortest one.

@@ -169,7 +169,7 @@ impl<'a> ClosedForms<'a> {
 }
 
 const STEADY: &str = "held: fraction of the start positions, with all speeds zero, at which friction holds the contacts; steady \
-                      sliding:\nwhere all contacts slide and no coordinate moves, and whether small motions about it decay\n";
+                      sliding:\nwhere all contacts slide and coordinates keep their values or speeds, and whether small motions about it decay\n";
 
 /// Returns states of steady sliding in words; `None` without one.
 fn in_words(sliding: &[SteadySliding]) -> Option<String> {

@@ -30,6 +30,24 @@ impl Translation {
         let other = self.others.iter().find(|(place, _)| *place == component);
         if self.pivot == component { 1.0 } else { other.map_or(0.0, |(_, by)| *by) }
     }
+
+    /// Returns the components that it displaces.
+    fn components(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(self.pivot).chain(self.others.iter().map(|(component, _)| *component))
+    }
+
+    /// Adds a multiple of another translation, so that a component is not displaced.
+    fn compensate(&mut self, component: usize, other: &Translation) {
+        let factor = -self.of(component) / other.of(component);
+        let places: Vec<usize> = self.components().chain(other.components()).collect();
+        let displaced = places.into_iter().filter(|place| ![component, self.pivot].contains(place));
+        let mut others: Vec<_> =
+            displaced.map(|place| (place, sum(self.of(place), factor * other.of(place)))).collect();
+        others.sort_by_key(|(place, _)| *place);
+        others.dedup_by_key(|(place, _)| *place);
+        others.retain(|(_, by)| *by != 0.0);
+        self.others = others;
+    }
 }
 
 /// Independent translations. None of them displaces the pivot of another one.
@@ -37,12 +55,19 @@ impl Translation {
 pub struct Translations(pub Vec<Translation>);
 
 impl Translations {
-    /// Returns those that displace none of some components.
+    /// Returns those that displace none of some components, also as sums of several.
     pub fn without(&self, held: impl Fn(usize) -> bool) -> Self {
-        let moves_none = |one: &&Translation| {
-            !held(one.pivot) && !one.others.iter().any(|(component, _)| held(*component))
-        };
-        Translations(self.0.iter().filter(moves_none).cloned().collect())
+        let mut left = self.0.clone();
+        while let Some(component) =
+            left.iter().find_map(|one| one.components().find(|of| held(*of)))
+        {
+            // One translation that displaces the component compensates the others, and is lost.
+            let by = |one: &Translation| one.of(component).abs();
+            let largest = (0..left.len()).max_by(|a, b| by(&left[*a]).total_cmp(&by(&left[*b])));
+            let Some(lost) = largest.map(|place| left.remove(place)) else { break };
+            left.iter_mut().for_each(|one| one.compensate(component, &lost));
+        }
+        Translations(left)
     }
 
     /// Returns the pivots.
