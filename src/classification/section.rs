@@ -345,11 +345,14 @@ fn turning_points(view: &SystemView) -> Vec<SectionMark> {
 /// its speed less that of the spring's end. `component` is the velocity of the position.
 fn relative_speed(view: &SystemView, component: usize) -> Option<Marking> {
     let graph = view.evaluator.graph();
-    // The factor of the only velocity in a rate of change, if the rate contains one.
-    let rate_of = |place: usize, velocity: Option<usize>| {
-        let mut state = vec![0.0; view.dimension()];
-        velocity.into_iter().for_each(|velocity| state[velocity] = 1.0);
-        view.evaluator.rates(&view.evaluator.no_phases(), &state)[place]
+    // The rate of change of a component, without velocities and with one of them.
+    let rates_of = |place: usize, velocity: Option<usize>| {
+        let rate = |size: f64| {
+            let mut state = vec![0.0; view.dimension()];
+            velocity.into_iter().for_each(|velocity| state[velocity] = size);
+            view.evaluator.rates(&view.evaluator.no_phases(), &state)[place]
+        };
+        [rate(0.0), rate(1.0) - rate(0.0)]
     };
     let carried = |place: usize| {
         let mut carriers = view.translations.carriers(place).filter(|(pivot, _)| *pivot != place);
@@ -358,13 +361,11 @@ fn relative_speed(view: &SystemView, component: usize) -> Option<Marking> {
     let mut all = (0..view.dimension()).filter_map(carried);
     let (position, (pivot, by)) =
         all.find(|(place, _)| graph.only_rate(*place) == Some(component))?;
-    let factor = rate_of(position, Some(component));
-    if graph.is_clock(pivot) {
-        return Some(Marking::new(component, by * rate_of(pivot, None) / factor));
-    }
-    let velocity = graph.only_rate(pivot)?;
-    let minus = Some((velocity, by * rate_of(pivot, Some(velocity)) / factor));
-    Some(Marking { component, minus, value: 0.0 })
+    let carrier = if graph.is_clock(pivot) { None } else { Some(graph.only_rate(pivot)?) };
+    let [constant, factor] = rates_of(position, Some(component));
+    let [carried, per_speed] = rates_of(pivot, carrier).map(|rate| by * rate / factor);
+    let minus = carrier.map(|velocity| (velocity, per_speed));
+    Some(Marking { component, minus, value: carried - constant / factor })
 }
 
 /// Returns the marks at the maxima of positions. The contact must slip there: the speed of its position differs from its
