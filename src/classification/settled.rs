@@ -25,6 +25,8 @@ use crate::motion::{Phase, lies};
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
 pub(super) const SLOW: f64 = 1e-6;
+/// The time of the next examination, over the present one, of a motion whose speed is not yet that of the steady motion near it.
+const SOON: f64 = 1.1;
 /// Largest distance of the equilibrium, non-dimensional.
 const NEAR: f64 = 1e-3;
 /// Largest size of Newton's last step, non-dimensional.
@@ -87,6 +89,14 @@ impl SettledWatch {
         }
         self.next = 1.5 * time;
         let place = equilibrium(view, &at_rest(view, phases, state), state)?;
+        // A body that rolls out still has a way to go.
+        let there = view.evaluator.rates(phases, &place);
+        let here = view.evaluator.rates(phases, state);
+        if here.iter().zip(&there).any(|(here, there)| (here - there).abs() > 2.0 * SLOW) {
+            self.slow_since = None;
+            self.next = SOON * time;
+            return None;
+        }
         Some(RestKind::Settled(Box::new(place)))
     }
 }
