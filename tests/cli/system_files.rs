@@ -128,7 +128,7 @@ fn check_prints_the_equations() {
             "m_bird * l_bird",
             "-(m_bird + m_sleeve) * g",
             "restitution: 0.5",
-            "moves on, because contact `lower`, contact `upper` may stick",
+            "certified where all contacts stick and cannot break loose again",
             "natural frequency 458",
         ],
     );
