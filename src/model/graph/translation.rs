@@ -86,6 +86,10 @@ impl Translations {
     /// Returns what remains of a component without its displacement, if the pivots are displaced as in a state or in its rates: it
     /// returns in a motion that repeats. Nothing remains of a pivot.
     pub fn remaining(&self, state: impl Fn(usize) -> f64, component: usize) -> f64 {
+        // Most systems have none.
+        if self.0.is_empty() {
+            return state(component);
+        }
         let carried = self.carriers(component).map(|(pivot, by)| by * state(pivot));
         state(component) - carried.sum::<f64>()
     }
