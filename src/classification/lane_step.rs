@@ -1,9 +1,9 @@
 //! The latest step of a run in a lane.
 
-use super::section::Marking;
-use super::system_view::{ContactPlace, SystemView};
 use smallvec::SmallVec;
 
+use super::section::Marking;
+use super::system_view::{ContactPlace, SystemView};
 use crate::model::Components;
 use crate::motion::lockstep::{LANES, LaneGroup};
 use crate::motion::{Effort, Hit, Instant, PerContact, Phase, fall_through_zero};
@@ -126,7 +126,8 @@ impl<'a> LaneStep<'a> {
         Some(self.began() + part * length)
     }
 
-    /// Returns the time at which a function with a value at the end of the step passed through another one in the step, like [`LaneStep::passes_through_zero`].
+    /// Returns the time at which a function that is `end` at the end of the step passed through a value in the step, like
+    /// [`LaneStep::passes_through_zero`].
     pub(super) fn passes_through(&self, marking: &Marking, [value, end]: [f64; 2]) -> Option<f64> {
         let series = marking.components().map(|place| (place, self.group.series(self.lane, place)));
         let series: SmallVec<[_; 2]> = series.collect();
