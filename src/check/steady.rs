@@ -5,12 +5,12 @@
 //! the start states, too.
 
 use indexmap::IndexMap;
-use nalgebra::{DMatrix, DVector, Schur};
+use nalgebra::Schur;
 use serde::Serialize;
 
 use crate::analysis::Stability;
-use crate::model::{Dual, Model, Start, Translation, Translations, Units, wrap_to_two_pi};
-use crate::motion::{Direction, Evaluator, Phase, Phases};
+use crate::model::{Model, Start, Translation, Translations, Units, wrap_to_two_pi};
+use crate::motion::{Direction, Evaluator, Phase, Phases, ReducedEquations};
 
 /// The number of start positions that are examined.
 const EXAMINED: usize = 400;
@@ -121,12 +121,8 @@ fn sample(number: usize, dimension: usize) -> f64 {
 /// A state in which nothing moves but along translations that no equation notices.
 struct SteadyState<'e> {
     evaluator: &'e Evaluator,
-    /// The translations that move no contact that sticks.
-    translations: Translations,
-    phases: Phases,
+    reduced: ReducedEquations<'e>,
     state: Vec<f64>,
-    /// The components that no contact holds, without the pivots of translations.
-    variables: Vec<usize>,
 }
 
 impl<'e> SteadyState<'e> {
@@ -140,93 +136,64 @@ impl<'e> SteadyState<'e> {
             false => Phase::Slip(Direction::of(*speed)),
         };
         let phases: Phases = evaluator.speeds(&state).iter().enumerate().map(phase).collect();
-        let mut held = Vec::new();
-        for (contact, _) in phases.iter().enumerate().filter(|(_, phase)| **phase == Phase::Stick) {
-            held.extend([graph.layout.contacts[contact].position, graph.speed_component(contact)?]);
-        }
+        let has_speed =
+            |(contact, phase)| phase != &Phase::Stick || graph.speed_component(contact).is_some();
         let rates = evaluator.rates(&phases, &state);
         let velocities = || graph.layout.velocities.iter().flatten();
         let runs = |place: usize| {
             graph.is_clock(place) && rates[place] != 0.0 && !velocities().any(|one| *one == place)
         };
-        if (0..state.len()).any(|place| runs(place) && !translations.displace(place)) {
+        if !phases.iter().enumerate().all(has_speed)
+            || (0..state.len()).any(|place| runs(place) && !translations.displace(place))
+        {
             return None;
         }
-        let translations = translations.without(|place| held.contains(&place));
-        let varies = |place: &usize| !held.contains(place) && !translations.has_pivot(*place);
-        let variables = (0..state.len()).filter(varies).collect();
-        Some(SteadyState { evaluator, translations, phases, state, variables })
+        let reduced = ReducedEquations::new(evaluator, &phases, translations);
+        Some(SteadyState { evaluator, reduced, state })
     }
 
     fn sticks(&self) -> bool {
-        self.phases.contains(&Phase::Stick)
-    }
-
-    /// Returns the derivatives of the rates of the variables.
-    fn slopes(&self) -> DMatrix<f64> {
-        let columns: Vec<_> = self
-            .variables
-            .iter()
-            .map(|along| {
-                let dual = |component: usize| Dual {
-                    value: self.state[component],
-                    slope: if component == *along { 1.0 } else { 0.0 },
-                };
-                self.evaluator.all_values(&self.phases, dual)
-            })
-            .collect();
-        let derivative = &self.evaluator.graph().derivative;
-        DMatrix::from_fn(columns.len(), columns.len(), |row, column| {
-            let slope = |component: usize| columns[column][derivative[component] as usize].slope;
-            self.translations.remaining(slope, self.variables[row])
-        })
-    }
-
-    /// Returns the rates of change of some components without translations.
-    fn rates(&self, components: impl Iterator<Item = usize>) -> Vec<f64> {
-        let rates = self.evaluator.rates(&self.phases, &self.state);
-        let remaining = |component| self.translations.remaining(|place| rates[place], component);
-        components.map(remaining).collect()
+        self.reduced.phases.contains(&Phase::Stick)
     }
 
     /// Changes the variables to where their rates vanish; returns whether there is such a place.
     fn settles(&mut self) -> bool {
         for _ in 0..MOST_STEPS {
-            if self.variables.is_empty() {
+            if self.reduced.variables.is_empty() {
                 break;
             }
-            let rates = DVector::from_vec(self.rates(self.variables.iter().copied()));
-            let Some(step) = self.slopes().lu().solve(&rates) else { return false };
+            let slopes = self.reduced.slopes(&self.state);
+            let Some(step) = slopes.lu().solve(&-self.reduced.rates(&self.state)) else {
+                return false;
+            };
             if !step.iter().all(|entry| entry.is_finite()) {
                 return false;
             }
-            let mut largest = 1.0_f64;
-            for (component, step) in self.variables.iter().zip(step.iter()) {
-                self.state[*component] -= step;
-                largest = largest.max(self.state[*component].abs());
-            }
+            self.reduced.displace(&mut self.state, &step);
+            let variables = self.reduced.variables.iter();
+            let largest = variables.fold(1.0_f64, |most, of| most.max(self.state[*of].abs()));
             if step.amax() <= THERE * largest {
                 break;
             }
         }
         // A component that only time moves is no steady state.
-        self.rates(0..self.state.len()).iter().all(|rate| rate.abs() <= THERE)
+        self.reduced.all_rates(&self.state).iter().all(|rate| rate.abs() <= THERE)
     }
 
     /// Returns whether all contacts are pressed together, slide as assumed, and friction holds those that stick.
     fn holds(&self) -> bool {
-        let forces = self.evaluator.forces(&self.phases, &self.state);
+        let forces = self.evaluator.forces(&self.reduced.phases, &self.state);
         forces.iter().enumerate().all(|(contact, force)| {
             let limit = self.evaluator.system().friction(contact).limit * force.normal;
             // A sliding speed that contains positions may have another direction here.
-            let slides_so = match self.phases[contact] {
+            let slides_so = match self.reduced.phases[contact] {
                 Phase::Slip(direction) => direction * force.speed > STILL,
                 Phase::Stick => force.speed.abs() <= STILL,
                 _ => true,
             };
             force.normal > 0.0
                 && slides_so
-                && (self.phases[contact] != Phase::Stick || force.friction.abs() <= limit)
+                && (self.reduced.phases[contact] != Phase::Stick || force.friction.abs() <= limit)
         })
     }
 
@@ -242,7 +209,7 @@ impl<'e> SteadyState<'e> {
             let displaced = |place: usize| self.state[place] + translation.of(place);
             outputs(&(0..self.state.len()).map(displaced).collect::<Vec<_>>())
         };
-        let displaced: Vec<_> = self.translations.0.iter().map(displaced).collect();
+        let displaced: Vec<_> = self.reduced.translations.0.iter().map(displaced).collect();
         let is_displaced =
             |number: usize| displaced.iter().any(|of| (of[number] - now[number]).abs() > ROUNDING);
         let constant = |number: usize| match is_displaced(number) {
@@ -262,7 +229,7 @@ impl<'e> SteadyState<'e> {
     /// speeds differ in their stability.
     fn place(&self, constants: &[(usize, f64)], state: &SteadySliding) -> Vec<f64> {
         let values = constants.iter().map(|(_, value)| *value);
-        let goes_on = self.translations != Translations::default();
+        let goes_on = self.reduced.translations != Translations::default();
         values.chain(goes_on.then_some(state.largest_real_part_1_s)).collect()
     }
 
@@ -273,8 +240,8 @@ impl<'e> SteadyState<'e> {
         constants: &[(usize, f64)],
     ) -> Option<SteadySliding> {
         // The number of iterations is bounded: for a matrix that is not finite the decomposition would not end.
-        let eigenvalues =
-            Schur::try_new(self.slopes(), f64::EPSILON, 10_000)?.complex_eigenvalues();
+        let eigenvalues = Schur::try_new(self.reduced.slopes(&self.state), f64::EPSILON, 10_000)?
+            .complex_eigenvalues();
         let largest = eigenvalues.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
         let size = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
         let stability = match largest {

@@ -13,10 +13,10 @@ use smallvec::SmallVec;
 
 use super::stuck_motion::{AffineForce, Curvature, Distance, StuckContact, StuckMotion};
 use crate::model::{
-    Bounded, Components, Degree, Dual, Gap, Interval, NodeId, RestAmplitude, RestForms, TOUCHING,
+    Bounded, Components, Degree, Gap, Interval, NodeId, RestAmplitude, RestForms, TOUCHING,
     strength_that_holds,
 };
-use crate::motion::{Evaluator, PerContact, Phase, Phases};
+use crate::motion::{Evaluator, PerContact};
 
 /// The residual speeds of contacts in the band of the switch model decay as `e^-t`. Their effect on forces and rates, which is
 /// nearly in proportion to them, is bounded with this factor.
@@ -68,13 +68,6 @@ impl DerivedRest {
         (graph.events.is_empty() && stays).then_some(forms)
     }
 
-    fn phases(&self) -> Phases {
-        let graph = self.evaluator.graph();
-        let mut phases = Phases::from_elem(Phase::Stick, graph.contacts.len());
-        phases.resize(phases.len() + graph.gaps.len(), Phase::Open);
-        phases
-    }
-
     /// Returns a state without the residual speeds of the contacts.
     fn stopped(&self, state: &[f64]) -> Vec<f64> {
         let mut stopped = state.to_vec();
@@ -86,7 +79,8 @@ impl DerivedRest {
     /// and whether the free components then have affine equations and the contacts affine forces.
     fn structure(&self, state: &[f64]) -> [bool; 2] {
         let graph = self.evaluator.graph();
-        let values = self.evaluator.all_values(&self.phases(), |component| state[component]);
+        let values =
+            self.evaluator.all_values(&self.evaluator.no_phases(), |component| state[component]);
         let degrees = graph.degrees(&values, |component| self.free.contains(&component));
         let is = |node: NodeId, degree: Degree| degrees[node as usize] <= degree;
         let stays = |position: &usize| {
@@ -139,7 +133,7 @@ impl DerivedRest {
     /// Returns how much derivatives differ, within a distance of the rest point, from those at the rest point.
     fn curvature(&self, motion: &StuckMotion, state: &[f64], distance: f64) -> Curvature {
         let graph = self.evaluator.graph();
-        let (phases, stopped) = (self.phases(), self.stopped(state));
+        let (phases, stopped) = (self.evaluator.no_phases(), self.stopped(state));
         let n = self.free.len();
         let radius = motion.distance.components(n) * distance;
         let place = |component: usize| self.free.iter().position(|other| *other == component);
@@ -173,12 +167,11 @@ impl DerivedRest {
 
     fn derived(&self, state: &[f64]) -> Option<StuckMotion> {
         let graph = self.evaluator.graph();
-        let phases = self.phases();
+        let phases = self.evaluator.no_phases();
         let n = self.free.len();
         let along = |direction: usize| {
-            let slope = |component| if component == direction { 1.0 } else { 0.0 };
-            let dual = |component: usize| Dual { value: state[component], slope: slope(component) };
-            self.evaluator.all_values(&phases, dual)
+            let along = |component| if component == direction { 1.0 } else { 0.0 };
+            self.evaluator.values_along(&phases, state, along)
         };
         let columns: Vec<_> = self.free.iter().map(|component| along(*component)).collect();
         let values = self.evaluator.all_values(&phases, |component| state[component]);
@@ -258,7 +251,7 @@ impl DerivedRest {
         if self.speeds.iter().all(|speed| state[*speed] == 0.0) {
             return (displaced, 0.0, SmallVec::from_elem([0.0; 2], contacts));
         }
-        let (phases, stopped) = (self.phases(), self.stopped(state));
+        let (phases, stopped) = (self.evaluator.no_phases(), self.stopped(state));
         let [with, without] = [state, &stopped].map(|state| self.evaluator.rates(&phases, state));
         let pushed = DVector::from_iterator(
             n,

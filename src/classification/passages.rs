@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use super::closed_orbit::{Orbit, REACH};
 use super::section::{Section, SectionMark};
-use super::system_view::{ContactPlace, SystemView};
+use super::system_view::{Returning, SystemView};
 use super::torus::ReturnSeries;
 use crate::model::{Components, wrap_to_pi};
 use crate::motion::{Phase, Phases};
@@ -194,53 +194,41 @@ impl Passages {
     }
 }
 
-/// Returns a smooth function of a passage, in which all of its coordinates occur. The residual speed of a sticking ball does not
-/// count.
-fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
+/// Returns the components that count in passages with these phases: all that return but for the one that marks the section and residual
+/// speeds of contacts that stick, numbered from 1.
+fn counted<'a>(
+    view: &'a SystemView,
+    phases: &'a [Phase],
+    mark: SectionMark,
+) -> impl Iterator<Item = (u32, &'a Returning)> {
     let marking = mark.marking(view).component;
-    let smooth = |place: usize, is_angle: bool| {
-        let value = view.translations.remaining(|place| passage.state[place], place);
-        if is_angle { libm::sin(value + 1.0) } else { value }
-    };
-    let of_contact = |(contact, phase): (&ContactPlace, &Phase)| {
-        let position = smooth(contact.position, contact.angular);
-        let counts = contact.position != marking && !view.translations.has_pivot(contact.position);
-        let speed = contact.speed.filter(|speed| *speed != marking && *phase != Phase::Stick);
-        [if counts { position } else { 0.0 }, speed.map_or(0.0, |speed| passage.state[speed])]
-    };
-    let contacts = view.contacts.iter().zip(&passage.phases).flat_map(of_contact);
-    let free = view.returning().filter(|place| *place != marking);
+    (1..).zip(&view.returning).filter(move |(_, Returning { place, speed_of, .. })| {
+        *place != marking && speed_of.is_none_or(|contact| phases[contact] != Phase::Stick)
+    })
+}
+
+/// Returns a smooth function of a passage, in which all of its coordinates occur.
+fn observed(view: &SystemView, passage: &Passage, mark: SectionMark) -> f64 {
     // Different weights, so that no symmetry cancels.
-    let weighted = contacts.chain(free.map(|place| smooth(place, view.is_angle(place)))).zip(1..);
-    weighted.map(|(value, weight)| (1.0 + 0.29 * f64::from(weight)) * value).sum()
+    let weighted = |(number, of): (u32, &Returning)| {
+        let value = view.translations.remaining(|place| passage.state[place], of.place);
+        let value = if of.is_angle { libm::sin(value + 1.0) } else { value };
+        (1.0 + 0.29 * f64::from(number)) * value
+    };
+    counted(view, &passage.phases, mark).map(weighted).sum()
 }
 
 /// Returns the largest difference of two passages, with angles modulo 2π. If a difference is above [`FAR`], the function may
-/// return this difference instead. The residual speed of a sticking ball does not count.
+/// return this difference instead.
 fn difference(view: &SystemView, a: &Passage, b: &Passage, mark: SectionMark) -> f64 {
-    let marking = mark.marking(view).component;
-    let change =
-        |place: usize| view.translations.remaining(|place| a.state[place] - b.state[place], place);
     let mut largest: f64 = 0.0;
-    for (contact, phase) in view.contacts.iter().zip(&a.phases) {
-        if contact.position != marking && !view.translations.has_pivot(contact.position) {
-            let change = change(contact.position);
-            let change = if contact.angular { wrap_to_pi(change) } else { change };
-            largest = largest.max(change.abs());
-        }
-        if *phase != Phase::Stick
-            && let Some(speed) = contact.speed.filter(|speed| *speed != marking)
-        {
-            largest = largest.max(change(speed).abs());
-        }
+    for (_, of) in counted(view, &a.phases, mark) {
+        let change = |place: usize| a.state[place] - b.state[place];
+        let change = view.translations.remaining(change, of.place);
+        largest = largest.max(if of.is_angle { wrap_to_pi(change) } else { change }.abs());
         if largest > FAR {
-            return largest;
+            break;
         }
     }
-    let free = view.returning().filter(|place| *place != marking);
-    free.fold(largest, |largest, place| {
-        let change = change(place);
-        let change = if view.is_angle(place) { wrap_to_pi(change) } else { change };
-        largest.max(change.abs())
-    })
+    largest
 }

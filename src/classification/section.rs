@@ -124,9 +124,8 @@ pub(super) struct Section {
     coordinates: Vec<(usize, bool)>,
     /// The translations of the orbit that no equation notices.
     translations: Translations,
-    /// The components of the contacts that touch another one: position or speed, that of the contact that it follows, and
-    /// whether it is a position.
-    followers: Vec<(usize, usize, bool)>,
+    /// The positions, and the speeds, of the contacts that touch another one, each with that of the contact that it follows.
+    following: [Vec<(usize, usize)>; 2],
     /// Number of components of a state.
     dimension: usize,
 }
@@ -138,17 +137,9 @@ impl Section {
         phases: &[Phase],
         rests: SmallVec<[bool; 8]>,
     ) -> Self {
-        let mut followers = Vec::new();
         let marking = mark.marking(view);
         let marked = marking.component;
-        let following = view.followers(phases, mark.contact());
-        for (follower, leader) in &following {
-            let (follower, leader) = (view.contacts[*follower], view.contacts[*leader]);
-            followers.push((follower.position, leader.position, true));
-            if let (Some(follower), Some(leader)) = (follower.speed, leader.speed) {
-                followers.push((follower, leader, false));
-            }
-        }
+        let following = view.evaluator.following(phases, mark.contact());
         let driven = |place: &usize| {
             let mut contacts = view.contacts.iter().zip(&rests);
             contacts.any(|(contact, rests)| *rests && contact.driven == Some(*place))
@@ -163,7 +154,7 @@ impl Section {
         let free = free.filter(|place| *place != marked && !driven(place));
         let mut coordinates: Vec<_> = free.map(|place| (place, view.is_angle(place))).collect();
         for (index, contact) in view.contacts.iter().enumerate() {
-            if following.iter().any(|(follower, _)| *follower == index) {
+            if following[0].iter().any(|(follower, _)| *follower == contact.position) {
                 continue;
             }
             // Several contacts may have the speed and the position of one body.
@@ -192,7 +183,7 @@ impl Section {
             marking,
             coordinates,
             translations,
-            followers,
+            following,
             dimension: view.dimension(),
         }
     }
@@ -213,10 +204,11 @@ impl Section {
             state[*place] = value + carried;
         }
         self.put_on(&mut state);
-        for (follower, leader, is_position) in &self.followers {
-            let apart = if *is_position { like[*follower] - like[*leader] } else { 0.0 };
-            state[*follower] = state[*leader] + apart;
+        let [positions, speeds] = &self.following;
+        for (follower, leader) in positions {
+            state[*follower] = state[*leader] + (like[*follower] - like[*leader]);
         }
+        speeds.iter().for_each(|(follower, leader)| state[*follower] = state[*leader]);
         state
     }
 
@@ -282,7 +274,7 @@ impl Section {
             let mut direction: Components = smallvec![0.0; self.dimension];
             direction[*place] = 1.0;
             direction[self.marking.component] -= self.marking.of(|place| direction[place]);
-            for (follower, leader, _) in &self.followers {
+            for (follower, leader) in self.following.iter().flatten() {
                 direction[*follower] = direction[*leader];
             }
             direction

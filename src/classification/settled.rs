@@ -7,7 +7,7 @@
 //!
 //! - everything but the translations is slow, and Newton's method finds an equilibrium, a state whose rates of change vanish but
 //!   for the translations, within [`NEAR`];
-//! - all eigenvalues of the equations linearised there (central differences) lie left of the
+//! - all eigenvalues of the equations linearised there lie left of the
 //!   imaginary axis, except for the zeros of a family of equilibria, as of three or more balls that
 //!   can balance in many positions: one zero for each independent displacement of bodies without
 //!   any force;
@@ -20,8 +20,8 @@ use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 use super::held_bodies::{friction_margin, held_margin};
 use super::rest_in_touch::at_rest;
 use super::system_view::SystemView;
-use crate::model::{Components, Friction, Translations};
-use crate::motion::{Phase, lies};
+use crate::model::{Components, Translations};
+use crate::motion::{Phase, ReducedEquations, lies};
 
 /// Largest component of the time derivative, non-dimensional, at which the motion is examined.
 pub(super) const SLOW: f64 = 1e-6;
@@ -31,16 +31,11 @@ const SOON: f64 = 1.1;
 const NEAR: f64 = 1e-3;
 /// Largest size of Newton's last step, non-dimensional.
 const THERE: f64 = 1e-6;
-/// Step of the central differences, non-dimensional.
-const DIFFERENCE: f64 = 1e-5;
-/// Step of the central differences for a speed, over the speed at which its friction law bends.
-const SPEED_DIFFERENCE: f64 = 0.01;
-/// Eigenvalues with a real part of at most this modulus count as zero: the accuracy of the
-/// differences.
+/// Eigenvalues with a real part of at most this modulus count as zero.
 const NEUTRAL: f64 = 1e-9;
 /// Threshold for a family of equilibria: the ratio of the force change by a combined displacement
 /// to that by one body alone counts as zero below it; also the least non-dimensional force change
-/// by one body that the differences resolve.
+/// by one body that counts.
 const NO_FORCE: f64 = 1e-6;
 const LEAST_FORCE: f64 = 1e-5;
 /// A contact that slides at an equilibrium is at least this fast, so that it will not stick. An open contact is at least this wide.
@@ -134,128 +129,60 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     (!all_stick || may_roll()) && resting.iter().enumerate().all(lasts)
 }
 
-/// A system whose contacts keep their phases, with one variable for each independent component of the state.
-struct ReducedCoordinates<'a> {
-    view: &'a SystemView,
-    phases: &'a [Phase],
-    /// The components that are the variables.
-    variables: Vec<usize>,
-    /// The translations that move no contact that sticks. Their pivots are 0.
-    translations: Translations,
-    /// The components that keep their distance from another one: contacts that touch.
-    following: Vec<(usize, usize, f64)>,
-    /// The state, with the components that contacts hold.
-    held: Vec<f64>,
-}
-
-impl<'a> ReducedCoordinates<'a> {
-    fn new(view: &'a SystemView, phases: &'a [Phase], state: &[f64]) -> Self {
-        let mut following = Vec::new();
-        for (follower, leader) in view.followers(phases, None) {
-            let (follower, leader) = (view.contacts[follower], view.contacts[leader]);
-            let apart = state[follower.position] - state[leader.position];
-            following.push((follower.position, leader.position, apart));
-            if let (Some(follower), Some(leader)) = (follower.speed, leader.speed) {
-                following.push((follower, leader, 0.0));
-            }
-        }
-        let graph = view.evaluator.graph();
-        let stuck = (0..view.contacts.len()).filter(|contact| phases[*contact] == Phase::Stick);
-        let places =
-            |contact: usize| [Some(view.contacts[contact].position), graph.held_component(contact)];
-        let held: Vec<usize> = stuck.flat_map(places).flatten().collect();
-        let translations = view.translations.without(|place| held.contains(&place));
-        let is_free = |place: &usize| {
-            let is_following = following.iter().any(|(follower, ..)| follower == place);
-            !is_following && !held.contains(place) && !translations.has_pivot(*place)
-        };
-        let variables = (0..view.dimension()).filter(is_free).collect();
-        let held = translations.all_remaining(state);
-        ReducedCoordinates { view, phases, variables, translations, following, held }
+/// Returns whether the forces between contacts that touch press, and friction holds the contacts that stick.
+fn is_held(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
+    let margin = friction_margin(view, phases, state);
+    if margin.is_some_and(|margin| margin.is_nan() || margin <= RESERVE) {
+        return false;
     }
-
-    /// Returns the variables of a state.
-    fn of_state(&self, state: &[f64]) -> DVector<f64> {
-        DVector::from_iterator(
-            self.variables.len(),
-            self.variables
-                .iter()
-                .map(|place| self.translations.remaining(|place| state[place], *place)),
-        )
-    }
-
-    /// Returns the state with these variables.
-    fn state(&self, variables: &DVector<f64>) -> Vec<f64> {
-        let mut state = self.held.clone();
-        for (place, value) in self.variables.iter().zip(variables.iter()) {
-            state[*place] = *value;
-        }
-        for (follower, leader, apart) in &self.following {
-            state[*follower] = state[*leader] + apart;
-        }
-        state
-    }
-
-    fn rate(&self, variables: &DVector<f64>) -> DVector<f64> {
-        self.of_state(&self.view.evaluator.rates(self.phases, &self.state(variables)))
-    }
-
-    /// Returns whether the forces between contacts that touch press, and friction holds the contacts that stick.
-    fn is_held(&self, variables: &DVector<f64>) -> bool {
-        let state = self.state(variables);
-        let margin = friction_margin(self.view, self.phases, &state);
-        if margin.is_some_and(|margin| margin.is_nan() || margin <= RESERVE) {
-            return false;
-        }
-        let (_, gaps) = self.view.evaluator.incremental_forces(&state).forces_and_gaps(self.phases);
-        let closed = self.phases[self.view.contacts.len()..].iter().zip(&gaps);
-        closed.filter(|(phase, _)| **phase == Phase::Closed).all(|(_, gap)| gap.force > 0.0)
-    }
+    let (_, gaps) = view.evaluator.incremental_forces(state).forces_and_gaps(phases);
+    let closed = phases[view.contacts.len()..].iter().zip(&gaps);
+    closed.filter(|(phase, _)| **phase == Phase::Closed).all(|(_, gap)| gap.force > 0.0)
 }
 
 /// Returns the stable equilibrium near a state; `None` without one, or if that cannot be computed.
 fn equilibrium(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<Components> {
-    let reduced = ReducedCoordinates::new(view, phases, state);
-    let rate = |point: &DVector<f64>| reduced.rate(point);
-    let steps = steps(&reduced);
-    let start = reduced.of_state(state);
-    if start.is_empty() {
-        return reduced.is_held(&start).then(|| Components::from(state));
+    let reduced = ReducedEquations::new(&view.evaluator, phases, &view.translations);
+    if reduced.variables.is_empty() {
+        return is_held(view, phases, state).then(|| Components::from(state));
     }
-    let (mut equilibrium, mut last) = (start.clone(), f64::INFINITY);
+    let slopes = |place: &[f64]| {
+        let slopes = Some(reduced.slopes(place));
+        let slopes = slopes.filter(|slopes| slopes.iter().all(|entry| entry.is_finite()))?;
+        let family = family_dimension(view, &reduced.variables, &slopes)?;
+        Some((slopes, family))
+    };
+    // Differences of large coordinates lose digits: the pivots of translations are 0 here.
+    let mut place: Components = reduced.translations.all_remaining(state);
+    let carried: Components = state.iter().zip(&place).map(|(at, left)| at - left).collect();
+    let (mut moved, mut last) = (DVector::zeros(reduced.variables.len()), f64::INFINITY);
     for _ in 0..5 {
-        let slope = jacobian(rate, &equilibrium, &steps)?;
-        let family = family_dimension(&reduced, &slope)?;
-        let step = newton_step(slope, -rate(&equilibrium), family)?;
+        let (slopes, family) = slopes(&place)?;
+        let step = newton_step(slopes, -reduced.rates(&place), family)?;
         last = step.amax();
-        equilibrium += step;
-        let is_near = (&equilibrium - &start).amax() <= NEAR;
+        reduced.displace(&mut place, &step);
+        moved += step;
+        let is_near = moved.amax() <= NEAR;
         if !is_near {
             return None;
         }
     }
-    let is_there = rate(&equilibrium).amax() <= 1e-3 * SLOW && last <= THERE;
-    if !is_there || !reduced.is_held(&equilibrium) {
+    let is_there = reduced.rates(&place).amax() <= 1e-3 * SLOW && last <= THERE;
+    if !is_there || !is_held(view, phases, &place) {
         return None;
     }
-    let slope = jacobian(rate, &equilibrium, &steps)?;
-    let family = family_dimension(&reduced, &slope)?;
+    let (slopes, family) = slopes(&place)?;
     // A steep law makes eigenvalues so large that their rounding errors hide the sign of a small one. The sign of the
     // determinant tells whether their number right of the imaginary axis is odd.
-    let is_odd = slope.nrows() % 2 == 1;
-    if family == 0 && (slope.determinant() < 0.0) != is_odd {
+    let is_odd = slopes.nrows() % 2 == 1;
+    if family == 0 && (slopes.determinant() < 0.0) != is_odd {
         return None;
     }
-    let eigenvalues = Schur::try_new(slope, f64::EPSILON, 10_000)?.complex_eigenvalues();
+    let eigenvalues = Schur::try_new(slopes, f64::EPSILON, 10_000)?.complex_eigenvalues();
     let stay: Vec<_> = eigenvalues.iter().filter(|value| value.re >= -NEUTRAL).collect();
     let is_zero = |value: &Complex<f64>| value.norm() <= NEUTRAL.sqrt() && value.re <= NEUTRAL;
     let is_stable = stay.len() <= family && stay.into_iter().all(is_zero);
-    // The pivots keep their places.
-    let carried = |component: usize| {
-        state[component] - reduced.translations.remaining(|place| state[place], component)
-    };
-    let place = reduced.state(&equilibrium).into_iter().zip(0..);
-    is_stable.then(|| place.map(|(value, component)| value + carried(component)).collect())
+    is_stable.then(|| place.iter().zip(&carried).map(|(left, carried)| left + carried).collect())
 }
 
 /// Returns Newton's step; for a singular matrix of a family of equilibria, the shortest one.
@@ -278,15 +205,18 @@ fn newton_step(
 }
 
 /// Returns the number of independent displacements of bodies without any force; `None` if the
-/// displacement of some body hardly changes the forces, so that differences cannot decide.
-fn family_dimension(reduced: &ReducedCoordinates, slope: &DMatrix<f64>) -> Option<usize> {
-    let velocities = &reduced.view.evaluator.graph().layout.velocities;
-    let is_position = |column: &usize| {
-        !velocities.iter().any(|group| group.contains(&reduced.variables[*column]))
-    };
-    let places = (0..reduced.variables.len()).filter(is_position);
+/// displacement of some body hardly changes the forces.
+fn family_dimension(
+    view: &SystemView,
+    variables: &[usize],
+    slopes: &DMatrix<f64>,
+) -> Option<usize> {
+    let velocities = &view.evaluator.graph().layout.velocities;
+    let is_position =
+        |column: &usize| !velocities.iter().any(|group| group.contains(&variables[*column]));
+    let places = (0..variables.len()).filter(is_position);
     let columns: Option<Vec<DVector<f64>>> =
-        places.map(|place| slope.column(place).into_owned().try_normalize(LEAST_FORCE)).collect();
+        places.map(|place| slopes.column(place).into_owned().try_normalize(LEAST_FORCE)).collect();
     let columns = columns?;
     if columns.is_empty() {
         return Some(0);
@@ -294,40 +224,4 @@ fn family_dimension(reduced: &ReducedCoordinates, slope: &DMatrix<f64>) -> Optio
     let decomposed =
         SVD::try_new(DMatrix::from_columns(&columns), false, false, f64::EPSILON, 10_000)?;
     Some(decomposed.singular_values.iter().filter(|value| **value <= NO_FORCE).count())
-}
-
-/// Returns the derivative of the rate by central differences; `None` if it is not finite.
-fn jacobian(
-    rate: impl Fn(&DVector<f64>) -> DVector<f64>,
-    at: &DVector<f64>,
-    steps: &[f64],
-) -> Option<DMatrix<f64>> {
-    let columns: Vec<DVector<f64>> = steps
-        .iter()
-        .enumerate()
-        .map(|(column, step)| {
-            let shifted = |step: f64| {
-                let mut point = at.clone();
-                point[column] += step;
-                rate(&point)
-            };
-            (shifted(*step) - shifted(-step)) / (2.0 * step)
-        })
-        .collect();
-    let slope = DMatrix::from_columns(&columns);
-    slope.iter().all(|entry| entry.is_finite()).then_some(slope)
-}
-
-/// Steps of the differences, one for each variable.
-fn steps(reduced: &ReducedCoordinates) -> Vec<f64> {
-    let speed = |friction: &Friction| match friction.speed_scale() {
-        Some(scale) => DIFFERENCE.min(SPEED_DIFFERENCE * scale),
-        None => DIFFERENCE,
-    };
-    let step = |place: &usize| {
-        let mut contacts = reduced.view.contacts.iter().enumerate();
-        let contact = contacts.find(|(_, contact)| contact.speed == Some(*place));
-        contact.map_or(DIFFERENCE, |(index, _)| speed(reduced.view.system().friction(index)))
-    };
-    reduced.variables.iter().map(step).collect()
 }

@@ -18,6 +18,8 @@ pub(super) struct SystemView {
     pub(super) translations: Translations,
     /// The components of the contacts.
     pub(super) contacts: Vec<ContactPlace>,
+    /// What returns in a motion that repeats.
+    pub(super) returning: Vec<Returning>,
     /// The displacement whose amplitude is measured, and its velocity, if the system has one.
     pub(super) vibration: Option<[usize; 4]>,
     /// Whether the system has outputs.
@@ -37,6 +39,16 @@ pub(super) struct ContactPlace {
     pub(super) driven: Option<usize>,
     /// Whether the position is an angle.
     pub(super) angular: bool,
+}
+
+/// A component of the state that returns in a motion that repeats.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Returning {
+    pub(super) place: usize,
+    /// Whether it is an angle with a period of one turn.
+    pub(super) is_angle: bool,
+    /// The contact whose sliding speed it is. While a contact sticks, its residual speed does not count.
+    pub(super) speed_of: Option<usize>,
 }
 
 impl ContactPlace {
@@ -66,6 +78,16 @@ impl SystemView {
         };
         let free: Vec<usize> = (0..graph.derivative.len()).filter(is_free).collect();
         let angles = layout.angles.clone();
+        let of_contact = |(contact, place): (usize, &ContactPlace)| {
+            let position = (place.position, place.angular, None);
+            std::iter::once(position).chain(place.speed.map(|speed| (speed, false, Some(contact))))
+        };
+        let all = (contacts.iter().enumerate().flat_map(of_contact))
+            .chain(free.iter().map(|place| (*place, angles.contains(place), None)));
+        let returning = all.filter(|(place, ..)| !translations.has_pivot(*place));
+        let returning = returning
+            .map(|(place, is_angle, speed_of)| Returning { place, is_angle, speed_of })
+            .collect();
         let velocity = layout.velocities.first();
         let vibration = layout
             .vibration
@@ -78,6 +100,7 @@ impl SystemView {
             angles,
             translations,
             contacts,
+            returning,
             vibration,
             evaluator,
             has_outputs,
@@ -145,37 +168,15 @@ impl SystemView {
         self.contacts.iter().any(moves_on)
     }
 
-    /// Returns the components that belong to no contact and return in a motion that repeats.
-    pub(super) fn returning(&self) -> impl Iterator<Item = usize> {
-        self.free.iter().copied().filter(|place| !self.translations.has_pivot(*place))
-    }
-
     /// Returns the rates of change without those of translations.
     pub(super) fn remaining_rates(&self, phases: &[Phase], state: &[f64]) -> Components {
         self.translations.all_remaining(&self.evaluator.rates(phases, state))
     }
 
-    /// Returns the contacts that touch another one and move with it, each with the contact that it follows: the contact
-    /// `leader` if it is among those that touch.
-    pub(super) fn followers(&self, phases: &[Phase], leader: Option<usize>) -> Vec<(usize, usize)> {
-        let mut followers = Vec::new();
-        for cluster in self.evaluator.clusters(phases) {
-            let first = leader.filter(|contact| cluster.contains(contact)).unwrap_or(cluster[0]);
-            followers.extend(
-                cluster.into_iter().filter(|other| *other != first).map(|other| (other, first)),
-            );
-        }
-        followers
-    }
-
     /// Makes a perturbation one in which contacts that touch move together.
     pub(super) fn keep_together(&self, phases: &[Phase], perturbation: &mut [f64]) {
-        for (follower, leader) in self.followers(phases, None) {
-            let (follower, leader) = (self.contacts[follower], self.contacts[leader]);
-            perturbation[follower.position] = perturbation[leader.position];
-            if let (Some(follower), Some(leader)) = (follower.speed, leader.speed) {
-                perturbation[follower] = perturbation[leader];
-            }
+        for (follower, leader) in self.evaluator.following(phases, None).concat() {
+            perturbation[follower] = perturbation[leader];
         }
     }
 

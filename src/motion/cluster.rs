@@ -12,6 +12,27 @@ impl Evaluator {
         touching.map_or_else(Vec::new, |touching| clusters(touching.gaps(), phases, |_| true))
     }
 
+    /// Returns the positions, and the sliding speeds, of the contacts that touch another one and move with it, each with that of the
+    /// contact that it follows: the contact `leader` if it is among those that touch.
+    pub(crate) fn following(
+        &self,
+        phases: &[Phase],
+        leader: Option<usize>,
+    ) -> [Vec<(usize, usize)>; 2] {
+        let graph = self.graph();
+        let position = |contact: usize| graph.layout.contacts[contact].position;
+        let [mut positions, mut speeds] = [Vec::new(), Vec::new()];
+        for cluster in self.clusters(phases) {
+            let first = leader.filter(|contact| cluster.contains(contact)).unwrap_or(cluster[0]);
+            for follower in cluster.into_iter().filter(|contact| *contact != first) {
+                positions.push((position(follower), position(first)));
+                let speed = graph.speed_component(follower);
+                speeds.extend(speed.zip(graph.speed_component(first)));
+            }
+        }
+        [positions, speeds]
+    }
+
     /// Returns the smallest friction margin of some contacts that stick: the reserve of friction over the friction limit.
     pub(crate) fn friction_margin(
         &self,

@@ -168,8 +168,7 @@ impl Evaluator {
 
     /// Returns speeds, accelerations and forces of all contacts in a state and their changes along a direction.
     pub fn forces_along(&self, phases: &[Phase], state: &[f64], direction: &[f64]) -> Forces<Dual> {
-        let component = |i: usize| Dual { value: state[i], slope: direction[i] };
-        let values = self.all_values(phases, component);
+        let values = self.values_along(phases, state, |component| direction[component]);
         forces(&self.graph, |node| values[node as usize])
     }
 
@@ -191,14 +190,24 @@ impl Evaluator {
         state: &[f64],
         direction: &[f64],
     ) -> (f64, Components) {
-        let component = |i: usize| Dual { value: state[i], slope: direction[i] };
-        let values = self.all_values(phases, component);
+        let values = self.values_along(phases, state, |component| direction[component]);
         let event = &self.graph.events[event];
         let mut after = Components::from(direction);
         for &(component, value) in &event.reset {
             after[component] = values[value as usize].slope;
         }
         (values[event.guard as usize].slope, after)
+    }
+
+    /// Returns the values of all nodes and their changes along a direction.
+    pub(crate) fn values_along(
+        &self,
+        phases: &[Phase],
+        state: &[f64],
+        direction: impl Fn(usize) -> f64,
+    ) -> SmallVec<[Dual; 128]> {
+        let component = |place: usize| Dual { value: state[place], slope: direction(place) };
+        self.all_values(phases, component)
     }
 
     /// Returns the values of all nodes.

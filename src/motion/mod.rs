@@ -9,7 +9,7 @@
 //! `touching_system` with `residual_speeds`. `touching_decision` decides their phases with `incremental_forces` and
 //! `separate_contacts`. `saltation` carries a perturbation over a switch.
 //!
-//! `root` finds roots, and `cancellation` stops a motion from outside. `lockstep` integrates the motions of eight runs side
+//! `reduced_equations` has the independent equations of contacts that keep their phases, `root` finds roots, and `cancellation` stops a motion from outside. `lockstep` integrates the motions of eight runs side
 //! by side. Read `single` last: it computes one motion alone, in one lane of `lockstep`.
 
 mod cancellation;
@@ -27,6 +27,7 @@ mod joint_decision;
 mod linear_system;
 pub(crate) mod lockstep;
 mod phase;
+mod reduced_equations;
 mod residual_speeds;
 mod root;
 mod saltation;
@@ -49,6 +50,7 @@ pub use incremental_forces::IncrementalForces;
 pub use lockstep::SimdLevel;
 pub(crate) use phase::any_closed;
 pub use phase::{Direction, PerContact, Phase, Phases, all_stick};
+pub(crate) use reduced_equations::ReducedEquations;
 pub(crate) use residual_speeds::{STILL, lies};
 pub use root::fall_through_zero;
 pub use settings::{Effort, SLOW, Settings, Touches, most_steps_by};

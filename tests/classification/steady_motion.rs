@@ -306,7 +306,8 @@ contacts: {belt: {normal: load, sliding: x' - v, friction: {coulomb: {coefficien
 /// A body that a drag slows down comes to rest at `x + x' m / d`, whatever the range of its start position is.
 #[test]
 fn a_body_that_coasts_stops_in_its_place() {
-    for range in ["[0, 1e-3]", "[0, 10]"] {
+    let mut times = Vec::new();
+    for range in ["[0, 1e-3]", "[0, 10]", "[0, 1e6]"] {
         let system = format!(
             "parameters: {{m: 2 kg, d: 4 N s/m}}
 coordinates: {{x: {{unit: m, start: {range}, start_rate: [1, 10]}}}}
@@ -318,6 +319,10 @@ force: {{x: -d * x'}}"
             let [position, speed] = case.start.0[..] else { panic!("{:?}", case.start) };
             let mean = outcome.outputs[0].value(OutputValue::Mean).expect("it stops");
             assert!((mean - position - speed * 2.0 / 4.0).abs() < 1e-4, "{mean} {:?}", case.start);
+            times.push(outcome.time_to_rest_s());
         }
     }
+    // Where it starts has no influence on when it is slow.
+    assert!(times[0].is_some());
+    assert_eq!([&times[..3], &times[..3]], [&times[3..6], &times[6..]]);
 }

@@ -69,11 +69,6 @@ pub trait Law: Sync {
     fn damping_rate(&self, _friction: &LawNumbers<'_>, _normal: f64) -> f64 {
         0.0
     }
-
-    /// The sliding speed over which the force changes; `None` if it does not change suddenly.
-    fn speed_scale(&self, _friction: &LawNumbers<'_>) -> Option<f64> {
-        None
-    }
 }
 
 /// What a law is: its name and meaning, and the parameters and properties that differ from the default of [`Law`].

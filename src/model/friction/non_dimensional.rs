@@ -65,11 +65,6 @@ impl Friction {
         self.law.law().damping_rate(&self.numbers(), normal)
     }
 
-    /// Returns the sliding speed over which friction changes; `None` if it does not change suddenly.
-    pub fn speed_scale(&self) -> Option<f64> {
-        self.law.law().speed_scale(&self.numbers())
-    }
-
     /// Returns the friction of a contact that moves, or is about to move, in a direction (1 or -1)
     /// at a speed. A law that cannot stick ignores the direction.
     #[inline]

@@ -77,8 +77,4 @@ impl Law for Smooth {
     fn damping_rate(&self, friction: &LawNumbers<'_>, normal: f64) -> f64 {
         friction.coefficient * normal * FRAC_2_PI / scale(friction)
     }
-
-    fn speed_scale(&self, friction: &LawNumbers<'_>) -> Option<f64> {
-        Some(scale(friction))
-    }
 }

@@ -106,9 +106,4 @@ impl Law for Stribeck {
         let decay = (-(direction * inputs[2]) * speed).exp();
         [direction * (inputs[0] + inputs[1] * decay), Expression::constant(0.0)]
     }
-
-    fn speed_scale(&self, friction: &LawNumbers<'_>) -> Option<f64> {
-        let (_, scale) = parameters(friction.values);
-        (scale > 0.0).then_some(scale)
-    }
 }

@@ -75,8 +75,11 @@ impl Instance<'_> {
         let largest = |of: &dyn Fn(usize) -> f64| {
             (0..n).map(of).filter(|value| value.is_finite()).fold(0.0, f64::max)
         };
+        let ignorable = all.iter().map(|number| self.is_ignorable(values, &middle, *number));
+        let ignorable = ignorable.collect::<Valued<Vec<bool>>>()?;
         // How far a coordinate moves. Without units, a start value other than 0 does not tell: it may be any small number.
         let size = |i: usize| match definition.has_units() {
+            _ if ignorable[i] => 0.0,
             true => reach[i][0],
             false => 0.5 * (ranges[i][0][1] - ranges[i][0][0]).abs(),
         };
@@ -127,6 +130,18 @@ impl Instance<'_> {
             accelerations: acceleration,
             amplitudes,
         })
+    }
+
+    /// Returns whether no formula contains a coordinate but for its rates of change, such as the position of a car. Where it starts
+    /// tells nothing of the motion.
+    fn is_ignorable(&self, values: &[f64], state: &[[f64; 2]], number: usize) -> Valued<bool> {
+        let at = |displacement: f64| {
+            let mut state = state.to_vec();
+            state[number][0] += displacement;
+            self.all_at(values, &state, (0.0, 0.0))
+        };
+        let here = at(0.0)?;
+        Ok(at(0.29)? == here && at(-0.37)? == here)
     }
 
     /// Returns the slopes of the accelerations of some coordinates without contacts over their values, and over their rates of
