@@ -6,8 +6,8 @@
 //! Read `node` first: the operations of a graph. A [`Recorder`] collects nodes, and an [`Expression`] adds one with
 //! each operator and has derivatives. `quantities` gives a system its inputs, its components of the state and its
 //! unknowns. `equations` lists what a system returns, `part` evaluates some of its results alone, and `recorded` makes the
-//! [`Graph`]. `degree` and `find_translations` examine the graph, and `per_structure` keeps what is computed once for all systems with equal
-//! equations.
+//! [`Graph`]. `degree` and `find_translations` examine the graph, and `per_structure` keeps what is computed once for all
+//! systems with equal equations.
 
 mod degree;
 mod equations;
