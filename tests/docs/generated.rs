@@ -8,13 +8,18 @@ use std::sync::{Mutex, PoisonError};
 static PAGES: Mutex<()> = Mutex::new(());
 
 /// Every computed part of each page.
-const PARTS: [(&str, &str); 8] = [
+const PARTS: [(&str, &str); 9] = [
     ("docs/check.md", "check"),
     ("docs/verification.md", "labels-below labels-above labels-irregular"),
     (
         "docs/methods.md",
         "distance-ratios escape-rate-thesis escape-from-thesis escape-rate slow-exponents \
          stratified-narrower",
+    ),
+    (
+        "docs/validation.md",
+        "closed-forms equilibrium-sets frictionless counts near-frictionless times-to-rest rest-over-time \
+         thesis-orbits cycles block-on-belt flips independent-program newton least-minor",
     ),
     ("docs/evaluate.md", "common-draws-slow common-draws"),
     (

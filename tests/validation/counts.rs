@@ -99,13 +99,6 @@ impl ThesisRuns {
 
     pub fn counts(&self) -> String {
         let mut text = "\
-## Preferred equilibria (thesis figures 5.7 to 5.9)
-
-The table contains the number of runs at rest after 16.5 s in the thesis and with both methods of the program, each with
-Wilson's 95 % confidence interval for the fraction. The thesis's box of start states is illegible. The box of the program
-is *reconstructed* such that it reproduces the six counts. The agreement of all six counts with one box is evidence; the
-agreement of a single count is not. The counts of the thesis also have sampling error, and therefore an interval.
-
 | speed [rad/s] | μ | thesis | interval | switch | interval | event | interval |
 |---|---|---|---|---|---|---|---|
 "
@@ -125,24 +118,16 @@ agreement of a single count is not. The counts of the thesis also have sampling 
                 fraction(event),
             );
         }
-        let _ = write!(
-            text,
-            "\nWith Newton's normal force, {} of {} runs come to rest at {} rad/s \
-             (`studies/model-form.yaml`). Only the thesis's\nderivation of the normal force \
-             reproduces its counts.\n",
-            self.with_newton,
-            self.outcomes[0][0].len(),
-            self.points[0].0,
-        );
         text
+    }
+
+    /// Returns how many runs of the first point come to rest with Newton's normal force.
+    pub fn newton(&self) -> String {
+        format!("{} of {}", self.with_newton, self.outcomes[0][0].len())
     }
 
     pub fn times_to_rest(&self) -> String {
         let mut text = "\
-## Time to rest (thesis section 5.3: \"about 2.5 s\")
-
-The table contains the times by which the given percentages of the runs are at rest (Kaplan-Meier, method `event`).
-
 | speed [rad/s] | μ |"
             .to_owned();
         for fraction in PointSummary::TIME_FRACTIONS {
@@ -166,15 +151,6 @@ The table contains the times by which the given percentages of the runs are at r
 
     pub fn flips(&self) -> String {
         let mut text = "\
-## Labels that flip between methods and tolerances
-
-Each row compares a computation of the thesis's study with the reference, which is the method `event` with a tolerance of
-1e-8. The column *rest flips* counts the runs that come to rest in only one of the two computations. The columns *rate* and
-*interval* contain the fraction of these runs and Wilson's 95 % confidence interval. The column *label flips* counts all
-runs whose labels differ; the labels of moving runs, `irregular` and `undecided`, depend on the confidence interval of the
-Lyapunov exponent. Where motions are irregular (-191.6372 rad/s), the label of a single run depends on the last digits of
-the computation, but the fraction of equilibria does not.
-
 | speed [rad/s] | μ | method | equilibria | rest flips | rate | interval | label flips |
 |---|---|---|---|---|---|---|---|
 "
@@ -258,12 +234,6 @@ the computation, but the fraction of equilibria does not.
 /// to 1e-4 rad; at -216.3772 and -191.6372 rad/s, where motions are irregular, 98 % and 92 % of the labels agree.
 pub fn independent_program() -> String {
     let mut text = "\
-## An independent program
-
-A Python program ([`scripts/reference`](../scripts/reference/README.md)) computes runs from the same start states. It
-shares no code with stickslip and has other equations (8×8), another integrator (Dormand-Prince 5(4)), and exact
-switching. The table compares the labels of all runs, and the final angles of the runs that come to rest in both programs.
-
 | speed [rad/s] | method | equal labels | median difference of final angles [rad] | 99 % of the differences below [rad] |
 |---|---|---|---|---|
 "

@@ -28,13 +28,6 @@ fn replicate(parameters: &str, end_time_s: f64) -> Vec<(Case, Outcome)> {
 pub fn at_rest_over_time() -> String {
     let times = [16.5, 33.0, 66.0, 165.0];
     let mut text = "\
-## Equilibria as a function of time
-
-The thesis stops at 16.5 s and calls every run that still moves a limit cycle. For 256 runs of up to 165 s (one replicate
-of the thesis's start states), the table contains the number of runs at rest by a given time, the number of other runs
-with each label at 165 s, and the range of the Lyapunov exponents of the irregular runs. The rows *prototype* are from an
-independent prototype with other start states.
-
 | speed [rad/s] | | 16.5 s | 33 s | 66 s | 165 s | irregular | limit cycle | undecided | Lyapunov exponents [1/s] |
 |---|---|---|---|---|---|---|---|---|---|
 "
@@ -90,16 +83,6 @@ independent prototype with other start states.
 
 pub fn thesis_orbits() -> String {
     let mut text = "\
-## The thesis's limit cycles (table 5.1, figure 5.15)
-
-The runs start from the thesis's start states, with both balls exactly side by side, and last 55 s. The thesis reports limit
-cycles without ball speeds; the table compares the ball speeds with those of an independent prototype. The program finds
-the same motion and shows that this closed orbit is *unstable*: two Floquet multipliers, which belong to the separation of
-the balls, are outside the unit circle. All other multipliers are inside the unit circle, including those of motions with
-the balls side by side. Only exact symmetry keeps the balls together: if the second ball is displaced by 1e-6 rad, both
-balls come to rest. The limit cycles of the thesis are therefore not attractors of its model. (In the experiment, the balls
-touched; the model excludes contact between balls.)
-
 | speed [rad/s] | mean ball speed, prototype [rad/s] | mean ball speed, program [rad/s] | label | evidence | moduli of the multipliers | time of rest with β₂ displaced by 1e-6 |
 |---|---|---|---|---|---|---|
 "
@@ -150,12 +133,6 @@ touched; the model excludes contact between balls.)
 /// Returns the cycles found from the thesis's start states, by class.
 pub fn cycles() -> String {
     let mut text = "\
-## Limit cycles from the thesis's start states
-
-The table contains the limit cycles among 256 runs of up to 66 s at each point, with the
-[classes](methods.md#classes-of-limit-cycles) of `cycles.parquet`. All runs of a class reach the same orbit, except in the
-last row, where the ball with more friction rests: the orbits of these runs form a family with one neutral direction.
-
 | speed [rad/s] | μ | class | runs | speed of the revolving ball [rad/s] | largest multiplier | neutral directions | angles of the other ball [rad] |
 |---|---|---|---|---|---|---|---|
 "
@@ -218,10 +195,6 @@ last row, where the ball with more friction rests: the orbits of these runs form
 pub fn block_on_belt() -> String {
     let study = shipped_study("block-on-belt.yaml");
     let mut text = "\
-## A block on a belt
-
-The table compares the runs of the study `block-on-belt` that reach the stick-slip cycle with the closed form of this cycle.
-
 | belt speed [m/s] | runs | runs on the cycle | classes | largest relative error of the period |
 |---|---|---|---|---|
 "

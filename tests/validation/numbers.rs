@@ -8,19 +8,6 @@ use stickslip::analysis::{
 };
 use stickslip::model::{Balancer, Machine};
 
-pub fn introduction() -> String {
-    "\
-# Validation
-
-This page compares the program with every number that is legible in the thesis (*Modeling and Analysis of an Automatic
-Balancing Unit with Dry Friction*, TU Eindhoven). It also compares the two methods of the program, `switch` and `event`,
-with each other and with an independent program. [Verification](verification.md) lists the tests of the program.
-
-`scripts/docs` writes this page from computed results, and `cargo test` recomputes and compares it.
-"
-    .to_owned()
-}
-
 fn machine(speed_rad_s: f64, friction_coefficient: f64) -> Machine {
     let mut machine = Machine { speed_rad_s, ..Machine::default() };
     for ball in &mut machine.balls {
@@ -39,8 +26,6 @@ pub fn closed_forms() -> String {
     let [low, high] = speeds_without_a1();
     format!(
         "\
-## Closed forms (thesis sections 3.6, 5.1, 5.2, appendix D)
-
 | quantity | thesis | program |
 |---|---|---|
 | natural frequency | 182 rad/s, 28.9 Hz | {natural:.3} rad/s, {:.3} Hz |
@@ -49,10 +34,6 @@ pub fn closed_forms() -> String {
 | amplitude with both balls at the imbalance, -216.3772 rad/s | 5.51e-5 m | {:.4e} m |
 | balancing angles | 2.27, 4.01 rad | {:.4}, {:.4} rad |
 | A1+ and A1- vanish for abs(ω) in | [179, 184] rad/s | [{low:.2}, {high:.2}] rad/s |
-
-The thesis gives 2.15e-5 m \"if no balls were present in the system\" without a derivation. For this amplitude, the program
-removes the balls and their mass. The forces of two balls opposite each other cancel, but their mass lowers the natural
-frequency; the resulting amplitude is closer to the thesis's value.
 ",
         natural / std::f64::consts::TAU,
         reference_amplitude(&machine).expect("a damped suspension"),
@@ -89,11 +70,6 @@ fn speeds_without_a1() -> [f64; 2] {
 
 pub fn frictionless() -> String {
     let mut text = "\
-## Equilibria without friction (thesis figure 5.1)
-
-The balls have viscous drag instead of dry friction. `stickslip equilibria STUDY --speeds -150:-300:151` writes these
-equilibria with their eigenvalues. [Equilibrium sets](equilibria.md#frictionless-equilibria) explains their names.
-
 | speed [rad/s] | equilibria | stable |
 |---|---|---|
 "
@@ -115,12 +91,6 @@ equilibria with their eigenvalues. [Equilibrium sets](equilibria.md#frictionless
 
 pub fn equilibrium_sets() -> String {
     let mut text = "\
-## Equilibrium sets (thesis section 5.2)
-
-`stickslip equilibria` computes the table on a grid of 2048 × 2048 ball positions. The smallest and largest amplitudes are
-those of all positions in the equilibrium set. The thesis counts 4 components at μ = 2.75e-4, modulo exchange of the
-balls, and finds that at μ = 3.5e-3 every position is an equilibrium.
-
 | speed [rad/s] | μ | fraction of all positions | components | components modulo exchange | smallest amplitude [m] | largest amplitude [m] |
 |---|---|---|---|---|---|---|
 "
@@ -149,16 +119,7 @@ balls, and finds that at μ = 3.5e-3 every position is an equilibrium.
     text
 }
 
-pub fn remainder() -> String {
-    let verdict = Machine::default().existence();
-    format!(
-        "\
-## Existence and uniqueness (thesis section 4.3, left open there)
-
-For the thesis's machine, stick and slip have exactly one solution at all positions and for all forces. The smallest
-principal minor of the contact matrix is {:.8}, where 1 means decoupled balls and 0 means loss of uniqueness.
-`stickslip check STUDY --existence` applies this test to every point of a study.
-",
-        verdict.least_minor(),
-    )
+/// Returns the smallest principal minor of the contact matrix of the thesis's machine.
+pub fn least_minor() -> String {
+    format!("{:.8}", Machine::default().existence().least_minor())
 }

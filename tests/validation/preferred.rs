@@ -17,15 +17,6 @@ use crate::support::angular_distance;
 /// Returns the section, from the machines of the thesis's points and the outcomes of their runs.
 pub fn near_frictionless<'a>(points: impl Iterator<Item = (&'a Machine, &'a [Outcome])>) -> String {
     let mut text = "\
-## Preferred equilibria and the equilibria without friction (thesis section 5.3)
-
-The thesis remarks that preferred equilibria are near the stable equilibria of the frictionless system (stable with a
-non-dimensional drag of 1e4 on the balls). The distance of an equilibrium is the root mean square of the differences of the
-ball angles to the nearest stable frictionless equilibrium, minimal over permutations of the balls (method `switch`). The
-column *uniform* contains the median distance of positions that are uniformly distributed in the equilibrium set, on a grid
-of 1024 × 1024 positions. The columns *nearer* and *interval* contain the number of equilibria with a distance below
-*uniform*, and Wilson's 95 % confidence interval of their fraction; uniformly distributed equilibria would give one half.
-
 | speed [rad/s] | μ | nearest | median distance [rad] | uniform [rad] | ratio | nearer | interval |
 |---|---|---|---|---|---|---|---|
 "
