@@ -7,7 +7,7 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use super::interrupt::{catches, send, ticks, wait_until};
-use super::support::{Ended, Scratch, assert_has, counts, study_text};
+use super::support::{Ended, Scratch, study_text};
 
 /// A generous limit for the one second that a run may continue after an interruption.
 const SOON: Duration = Duration::from_secs(20);
@@ -26,7 +26,6 @@ fn a_stop_abandons_long_runs() {
     let row = |row: u32| format!("{row}e-5,{}\n", -100.0 - 1e-3 * f64::from(row));
     let rows: String = (0..100_000).map(row).collect();
     scratch.write("table.csv", format!("time_s,speed_rad_s\n{rows}"));
-    let mut given_up = false;
     for (name, model) in STUDIES {
         let model = format!("model: {{kind: ball_balancer, {model}}}\n");
         let text = study_text(name, "{monte_carlo: {samples: 4000}}", 1.0, &model);
@@ -40,34 +39,25 @@ fn a_stop_abandons_long_runs() {
         let ended = Ended::of(child.wait_with_output().unwrap());
         assert!(sent.elapsed() < SOON, "{name}: {:?}", sent.elapsed());
         assert_eq!(ended.code, Some(130), "{name}: {}", ended.err);
-
-        let begun = Instant::now();
-        let ended = scratch.stickslip(&format!("{command} --max-seconds 1"));
-        assert!(begun.elapsed() < SOON, "{name}: {:?}", begun.elapsed());
-        assert_eq!(ended.code, Some(130), "{name}: {}", ended.err);
-        assert_has(&ended.err, &["out of time (--max-seconds) after "]);
-        given_up |= ended.err.contains(" in progress w");
     }
-    assert!(given_up, "one of the studies has runs that take longer than the grace");
 }
 
-/// Runs that end immediately beside runs that take many times longer than the time limit and its grace of one second.
+/// A run that ends immediately beside one that takes several times longer than the time limit and its grace of one second.
 #[test]
 fn what_was_given_up_is_computed_again_to_the_same_bytes() {
     let scratch = Scratch::new();
     let text = study_text(
         "mixed",
-        "{monte_carlo: {samples: 2}}",
-        5.0e4,
+        "{monte_carlo: {samples: 1}}",
+        1.5e4,
         "sweep: [{grid: {friction_coefficient: [1.0e-2, 0.0]}}]\n\
          model: {kind: ball_balancer, parameters: {speed_rad_s: -216.0}}\n",
     );
     scratch.write("mixed.yaml", text);
-    let said = [" of 4 runs; ", " in progress w"];
+    let said = ["out of time (--max-seconds) after 1 of 2 runs; ", " in progress w"];
     scratch.tells("run mixed.yaml --out out --threads 1 --max-seconds 0.5", 130, &said);
-    let finished = counts(&scratch.table("out", "runs"), "run_id").len();
-    assert!((1..4).contains(&finished), "{finished}");
-    assert_eq!(scratch.manifest("out")["runs_finished"], finished);
+    assert_eq!(scratch.table("out", "runs").num_rows(), 1);
+    assert_eq!(scratch.manifest("out")["runs_finished"], 1);
     scratch.well("resume out");
     scratch.well("run mixed.yaml --out whole --threads 1");
     assert_eq!(scratch.data("out"), scratch.data("whole"));
