@@ -45,7 +45,7 @@ fn of_results() {
         ("report out", "cycles.parquet", "cycles.parquet"),
         ("replay out 1", "runs.parquet", "runs.parquet: this is not the file"),
     ] {
-        with_other_bits(&scratch, &format!("out/{name}"), 10, |bit| {
+        with_other_bits(&scratch, &format!("out/{name}"), 3, |bit| {
             refused(&scratch, command, said, bit);
         });
     }
@@ -80,14 +80,14 @@ fn of_a_search() {
         ("report search", "optimum.json"),
     ] {
         let said = format!("{file}: this is not the file that was written");
-        with_other_bits(&scratch, &format!("search/{file}"), 10, |bit| {
+        with_other_bits(&scratch, &format!("search/{file}"), 3, |bit| {
             refused(&scratch, command, &said, bit);
         });
     }
     // A changed list is either unreadable, reports a different table, or its change affects nothing
     // that is used.
     let best = scratch.bytes("search/optimum.json");
-    with_other_bits(&scratch, "search/files.json", 120, |bit| {
+    with_other_bits(&scratch, "search/files.json", 30, |bit| {
         let before = scratch.bytes(name);
         let ended = scratch.stickslip("optimize block.yaml --out search -q");
         assert!([Some(0), Some(2)].contains(&ended.code), "bit {bit}: {}", ended.err);
