@@ -1,8 +1,10 @@
 //! `check`: warnings, the machine, closed forms and the cost of a search.
 
 use serde_json::{Value, json};
+use stickslip::check::warnings;
+use stickslip::study::Study;
 
-use super::support::{AT_ONCE, Scratch, assert_has, numbers, study_text};
+use super::support::{AT_ONCE, Scratch, assert_has, numbers, parse, study_text};
 use crate::support::{cases, shipped, study_files};
 
 /// The thesis's machine; `ball_mass_kg` is on line 14 of a study.
@@ -39,6 +41,11 @@ fn report(scratch: &Scratch, path: &str) -> Value {
 fn checked(scratch: &Scratch, model: &str, rest: &str) -> Value {
     scratch.write("a.yaml", study(model, rest));
     report(scratch, "a.yaml")
+}
+
+/// Returns the part of the report with the warnings, without the program.
+fn warned(study: &Study) -> Value {
+    json!({"warnings": warnings(study)})
 }
 
 fn kinds(report: &Value) -> Vec<String> {
@@ -98,7 +105,6 @@ model: {system: {system: a, motions: {g: {table: {columns: [time_s, g], rows: [[
 /// Each slip gives its own warnings and no others, with the key and its line.
 #[test]
 fn slips_are_warnings_with_their_key_and_line() {
-    let scratch = Scratch::new();
     for [changes, expected, key, line, remedy] in cases(SLIPS) {
         let changes: Vec<_> =
             changes.split(" ; ").filter_map(|change| change.split_once(" => ")).collect();
@@ -106,7 +112,7 @@ fn slips_are_warnings_with_their_key_and_line() {
             assert!(model.contains(from), "{from}");
             model.replace(from, to)
         });
-        let report = checked(&scratch, &model, "");
+        let report = warned(&parse(study(&model, "")));
         assert_eq!(kinds(&report).join(" "), expected, "{changes:?}");
         let first = &report["warnings"][0];
         if !expected.is_empty() {
@@ -116,7 +122,7 @@ fn slips_are_warnings_with_their_key_and_line() {
         }
     }
     for [model, rest, expected, key] in cases(SLIPS_OF_STUDIES) {
-        let report = checked(&scratch, if model.is_empty() { MACHINE } else { &model }, &rest);
+        let report = warned(&parse(study(if model.is_empty() { MACHINE } else { &model }, &rest)));
         assert_eq!(kinds(&report).join(" "), expected, "{rest}");
         let first = &report["warnings"][0];
         assert_eq!(first["key"].as_str().unwrap_or_default(), key, "{rest}");
@@ -157,10 +163,7 @@ fn extreme_values_have_closed_forms() {
 /// The remedy names units only to a study that writes none.
 #[test]
 fn a_remedy_repeats_no_unit_of_the_study() {
-    let scratch = Scratch::new();
-    let remedy = |model: &str, rest: &str| {
-        checked(&scratch, model, rest)["warnings"][0]["remedy"].as_str().expect("a text").to_owned()
-    };
+    let remedy = |model: &str, rest: &str| warnings(&parse(study(model, rest)))[0].remedy.clone();
     for (from, to) in [
         ("ball_diameter_m: 0.003", "ball_diameter: 60 mm"),
         ("speed_rad_s: -216.4", "speed: 100 rpm"),
@@ -250,15 +253,16 @@ fn friction_that_holds_the_balls_everywhere_is_a_warning() {
 #[test]
 fn the_remedy_for_friction_that_holds_the_balls_everywhere_helps() {
     let scratch = Scratch::new();
-    let with = |friction: f64| {
-        let machine =
-            MACHINE.replace("coefficient: 2.75e-3", &format!("coefficient: {friction:e}"));
-        checked(&scratch, &machine, "")
+    let of = |friction: f64| {
+        study(&MACHINE.replace("coefficient: 2.75e-3", &format!("coefficient: {friction:e}")), "")
     };
-    let is_held = |report: &Value| kinds(report) == ["balls_held_everywhere"];
+    let with = |friction: f64| {
+        scratch.write("a.yaml", of(friction));
+        report(&scratch, "a.yaml")
+    };
+    let is_held = |friction: f64| kinds(&warned(&parse(of(friction)))) == ["balls_held_everywhere"];
     // The smallest friction with a warning leaves a few positions without rest.
-    let just =
-        (0..).map(|step| 2.75e-3 * 1.01_f64.powi(step)).find(|friction| is_held(&with(*friction)));
+    let just = (0..).map(|step| 2.75e-3 * 1.01_f64.powi(step)).find(|friction| is_held(*friction));
     for friction in [just.unwrap(), 0.05, 1.9] {
         let warned = with(friction);
         let remedy = warned["warnings"][0]["remedy"].as_str().unwrap();
@@ -268,7 +272,7 @@ fn the_remedy_for_friction_that_holds_the_balls_everywhere_helps() {
         };
         let (all, half) = (after("friction_coefficient below "), after("and below "));
         assert!(half < all && all < friction, "{friction}: {remedy}");
-        assert!(!is_held(&with(all)), "{remedy}");
+        assert!(!is_held(all), "{remedy}");
         let held = &with(half)["closed_form"]["points"][0]["rest"]["set_fraction"];
         assert!((0.3..=0.5).contains(&held.as_f64().unwrap()), "{remedy}: {held}");
     }
@@ -336,7 +340,6 @@ fn warnings_change_the_exit_code_only_with_strict() {
 /// Shipped studies have only the warnings that their comments explain.
 #[test]
 fn shipped_studies_have_no_false_warnings() {
-    let scratch = Scratch::new();
     let mut studies = 0;
     for path in study_files("studies") {
         studies += 1;
@@ -354,8 +357,8 @@ fn shipped_studies_have_no_false_warnings() {
             "number-of-balls" => &["balancing_capacity"],
             _ => &[],
         };
-        let report = report(&scratch, &path.display().to_string());
-        assert_eq!(kinds(&report), expected, "{name}");
+        let study = Study::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(kinds(&warned(&study)), expected, "{name}");
     }
     assert!(studies > 20);
 }
