@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use serde_json::Value;
-use stickslip::analysis::{HalfWidths, PointAccumulator, StoppingRule};
+use stickslip::analysis::{HalfWidths, PointAccumulator};
 use stickslip::classification::{Evidence, Outcome, Rest};
 use stickslip::model::Case;
 use stickslip::study::Study;
@@ -40,101 +40,70 @@ fn by_place(case: &Case) -> Outcome {
     Outcome::of(if rests { rest } else { Evidence::EndTime })
 }
 
-fn sampled(study: &Study) -> Kept {
+fn sampled(study: &Study, simulate: impl Fn(&Case) -> Outcome + Sync) -> Kept {
     let mut kept = Kept::default();
-    let totals = run_in_memory(study, &mut kept, &AtomicBool::new(false), by_place).unwrap();
+    let totals = run_in_memory(study, &mut kept, &AtomicBool::new(false), simulate).unwrap();
     assert!(!totals.interrupted());
     assert_eq!(totals.counts.total(), kept.runs.len() as u64);
     kept
 }
 
-/// The runs of each point are those that the stopping rule requests for their labels, with
-/// consecutive numbers from the point's first.
+/// The runs of each point are those that the rules request for their labels and amplitudes, with consecutive numbers from the
+/// point's first. The amplitude is uniform from 0 to 1 µm: about 100 runs give its median to 0.1 µm, and the fraction needs
+/// others.
 #[test]
-fn points_stop_where_the_rule_stops() {
-    for (half_width, max_runs) in [(0.2, 10_000), (0.05, 10_000), (0.02, 1000), (0.02, 10)] {
-        let study = parse(text(half_width, max_runs, AT_ONCE));
-        let kept = sampled(&study);
-        assert_eq!(kept.points.len(), 3);
-        for row in &kept.points {
-            let point = study.point(row.point_id);
-            let ends = kept.runs.iter().filter(|run| run.planned.point_id == row.point_id);
-            let runs = ends.clone().count() as u64;
-            assert!(
-                ends.clone()
-                    .map(|run| run.planned.run_id)
-                    .eq(point.first_run..point.first_run + runs)
-            );
-            let interval = |runs: u64| {
-                let mut so_far = PointAccumulator::new(point.cells);
-                ends.clone().take(runs as usize).for_each(|run| so_far.add(run.observed()));
-                so_far.equilibrium_interval().ends()
-            };
-            let sampling = point.sampling;
-            let (replicate, most) = (sampling.replicate, sampling.most);
-            let rule = StoppingRule { half_width, replicate, most };
-            let mut expected = sampling.first;
-            while let Some(more) = rule.more(expected, interval(expected)) {
-                expected += more;
-            }
-            assert_eq!(runs, expected);
-            assert_eq!(row.summary.counts.total(), runs);
-            let (low, high) = interval(runs);
-            let narrow = 0.5 * (high - low) <= half_width;
-            assert!(narrow || runs == most && (most + replicate > max_runs), "{runs} of {most}");
-        }
-        let total = kept.runs.len();
-        println!("half width {half_width}, at most {max_runs}: {total} runs");
-        assert!(total > 3 * 12);
-    }
-}
-
-/// The amplitude is uniform from 0 to 1 µm: about 100 runs give its median to 0.1 µm, and the fraction needs others.
-#[test]
-fn amplitudes_and_the_fraction_decide_together() {
+fn points_stop_where_the_rules_stop() {
     let simulated = |case: &Case| {
         let amplitude_m = Some(1e-6 * case.start.0[2] / std::f64::consts::TAU);
         Outcome { amplitude_m, ..by_place(case) }
     };
-    let mut runs = Vec::new();
-    for keys in [
-        "equilibrium_fraction: 0.2",
-        "amplitude_p50_m: 1.0e-7",
-        "equilibrium_fraction: 0.2, amplitude_p50: 0.1 µm",
+    let mut totals = Vec::new();
+    for (keys, max_runs) in [
+        ("equilibrium_fraction: 0.2", 10_000),
+        ("amplitude_p50_m: 1.0e-7", 10_000),
+        ("equilibrium_fraction: 0.2, amplitude_p50: 0.1 µm", 10_000),
+        ("equilibrium_fraction: 0.05", 10_000),
+        ("equilibrium_fraction: 0.02", 1000),
+        ("equilibrium_fraction: 0.02", 10),
     ] {
-        let study = parse(text(0.2, 1000, AT_ONCE).replace("equilibrium_fraction: 0.2", keys));
+        let text = text(0.2, max_runs, AT_ONCE).replace("equilibrium_fraction: 0.2", keys);
+        let study = parse(text);
         let limits = HalfWidths::from(study.precision().expect("a precision"));
-        let mut kept = Kept::default();
-        run_in_memory(&study, &mut kept, &AtomicBool::new(false), simulated)
-            .expect("results in memory");
+        let kept = sampled(&study, simulated);
+        assert_eq!(kept.points.len(), 3);
         for row in &kept.points {
             let point = study.point(row.point_id);
-            let (replicate, most) = (point.sampling.replicate, point.sampling.most);
             let ends: Vec<_> =
                 kept.runs.iter().filter(|run| run.planned.point_id == row.point_id).collect();
+            let runs = ends.len() as u64;
+            let ids = ends.iter().map(|run| run.planned.run_id);
+            assert!(ids.eq(point.first_run..point.first_run + runs));
             let so_far = |runs: u64| {
                 let mut so_far = PointAccumulator::new(point.cells);
                 ends[..runs as usize].iter().for_each(|run| so_far.add(run.observed()));
                 so_far
             };
+            let (replicate, most) = (point.sampling.replicate, point.sampling.most);
             let mut expected = point.sampling.first;
             while let Some(more) = limits.more(replicate, most, expected, &so_far(expected)) {
                 expected += more;
             }
-            assert_eq!(ends.len() as u64, expected);
-            assert!(limits.reached(&row.summary), "{keys}");
+            assert_eq!((runs, row.summary.counts.total()), (expected, expected), "{keys}");
+            let narrow = limits.reached(&row.summary);
+            assert!(narrow || runs == most && (most + replicate > max_runs), "{runs} of {most}");
         }
-        runs.push(kept.runs.len());
+        totals.push(kept.runs.len());
     }
-    println!("runs: {runs:?}");
-    assert!(runs[0] < runs[1] && runs[2] >= runs[1], "{runs:?}");
+    println!("runs: {totals:?}");
+    assert!(totals[0] < totals[1] && totals[2] >= totals[1], "{totals:?}");
+    assert!(totals.iter().all(|total| *total > 3 * 12));
 }
 
 /// More runs and a narrower interval append runs to the existing ones, at every point.
 #[test]
 fn former_runs_are_kept() {
     let runs = |half_width, max_runs| {
-        let kept = sampled(&parse(text(half_width, max_runs, AT_ONCE)));
+        let kept = sampled(&parse(text(half_width, max_runs, AT_ONCE)), by_place);
         let mut points: BTreeMap<u64, Vec<_>> = BTreeMap::new();
         for record in kept.runs {
             let mut planned = record.planned;
@@ -161,7 +130,7 @@ fn former_runs_are_kept() {
 #[test]
 fn an_interruption_keeps_what_is_finished() {
     let study = parse(text(0.06, 150, AT_ONCE));
-    let whole = sampled(&study);
+    let whole = sampled(&study, by_place);
     let first = whole.points[0].summary.counts.total();
     let (stop, done) = (AtomicBool::new(false), AtomicUsize::new(0));
     let mut kept = Kept::default();
