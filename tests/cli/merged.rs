@@ -10,8 +10,13 @@ const STAGES: &str = "model: {kind: ball_balancer, contact: {}, \
 
 const PRECISE: &str = "precision: {equilibrium_fraction: 0.2, max_runs: 64}\n";
 
+/// Points with different numbers of balls.
+const BALLS: &str = "precision: {equilibrium_fraction: 0.15, max_runs: 60}\n\
+                     sweep: [{grid: {speed_rad_s: [-160.8103, -216.3772], balls: [2, 1]}}]\n";
+
 fn study(rest: &str) -> String {
-    let sweep = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -216.0]}}]\n";
+    let speeds = "sweep: [{grid: {speed_rad_s: [-160.0, -200.0, -216.0]}}]\n";
+    let sweep = if rest.contains("sweep:") { "" } else { speeds };
     study_text("shards", "{monte_carlo: {samples: 32}}", 0.5, &format!("{sweep}{rest}"))
 }
 
@@ -26,10 +31,18 @@ fn shards(scratch: &Scratch, number: usize) -> Vec<String> {
 
 #[test]
 fn merged_shards_are_the_single_run() {
-    for (rest, number) in
-        [("", 1), ("", 2), ("", 7), ("", 120), (PRECISE, 2), (PRECISE, 5), (STAGES, 3)]
-    {
-        let scratch = Scratch::with(study(rest));
+    // Of six runs in seven shards, one shard has none.
+    for (samples, rest, number) in [
+        (32, "", 1),
+        (32, "", 7),
+        (2, "", 7),
+        (32, PRECISE, 2),
+        (32, PRECISE, 5),
+        (32, BALLS, 3),
+        (32, STAGES, 3),
+    ] {
+        let text = study(rest).replace("samples: 32", &format!("samples: {samples}"));
+        let scratch = Scratch::with(text);
         scratch.well("run a.yaml --out whole --chunk 10");
         let mut parts = shards(&scratch, number);
         parts.reverse();

@@ -1,5 +1,4 @@
-//! A sweep over the number of balls gives the rows of separate studies, and the same bytes for any distribution of the
-//! work.
+//! A sweep over the number of balls gives the rows of separate studies.
 
 use arrow::array::{Array, RecordBatch};
 
@@ -89,29 +88,6 @@ fn columns_of_balls_that_a_point_lacks_are_null() {
         }
     }
     column(&scratch.table("out", "equilibria"), "beta_3_rad");
-}
-
-#[test]
-fn threads_chunks_shards_and_resumption_give_the_same_bytes() {
-    let stratified = "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}";
-    let audit = "audit: {fraction: 0.1}\n";
-    let precision = "precision: {equilibrium_fraction: 0.15, max_runs: 60}\n";
-    for (design, rest) in [(stratified, audit), ("{monte_carlo: {samples: 16}}", precision)] {
-        let text = study(design, rest).replace("2e0", "0.3").replace("[3, 1, 2]", "[2, 1]");
-        let scratch = Scratch::with(text);
-        scratch.well("run a.yaml --out whole --threads 1");
-        scratch.well("run a.yaml --out other --threads 3 --chunk 7");
-        assert_eq!(scratch.data("other"), scratch.data("whole"));
-        for part in 1..=3 {
-            scratch.well(&format!("run a.yaml --shard {part}/3 --out {part} --threads 2"));
-        }
-        scratch.well("merge 1 2 3 --out merged");
-        assert_eq!(scratch.data("merged"), scratch.data("whole"));
-        let stopped = scratch.stickslip("run a.yaml --out stopped --chunk 5 --max-seconds 0.05");
-        assert!([Some(130), Some(0)].contains(&stopped.code), "{}", stopped.err);
-        scratch.stickslip("resume stopped --threads 2");
-        assert_eq!(scratch.data("stopped"), scratch.data("whole"));
-    }
 }
 
 /// The runs of a study with one number of balls are those of a point of the sweep, so that they are not computed again.

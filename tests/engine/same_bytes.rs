@@ -3,7 +3,7 @@
 use crate::cli::support::{AT_ONCE, DATA_FILES, Scratch, study_text};
 
 /// Designs, end times, further lines, exit codes, and the ways to run each study.
-const STUDIES: [(&str, f64, &str, i32, &[&str]); 4] = [
+const STUDIES: [(&str, f64, &str, i32, &[&str]); 5] = [
     // Runs of all lengths: at rest early, late and never, with some failures.
     (
         "{latin_hypercube: {samples: 24}}",
@@ -50,6 +50,14 @@ const STUDIES: [(&str, f64, &str, i32, &[&str]); 4] = [
          precision: {equilibrium_fraction: 0.09, max_runs: 100}\naudit: {fraction: 0.2}\n",
         0,
         &["--threads 1", "--threads 3", "--threads 3 --chunk 1", "--threads 1 --chunk 5"],
+    ),
+    // Points with different numbers of balls.
+    (
+        "{stratified: {parts_per_axis: 2, samples_per_cell: 1}}",
+        0.3,
+        "sweep: [{grid: {speed_rad_s: [-160.8103, -216.3772], balls: [2, 1]}}]\naudit: {fraction: 0.1}\n",
+        0,
+        &["--threads 1", "--threads 3 --chunk 7"],
     ),
 ];
 
