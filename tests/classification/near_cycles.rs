@@ -21,7 +21,7 @@ mass: {{x: {{x: 1}}, y: {{y: 1}}}}
 force: {force}"
         );
         for method in METHODS {
-            for mut case in cases(&system, 40, 1500.0) {
+            for mut case in cases(&system, 16, 1500.0) {
                 case.simulation.method = method;
                 let outcome = simulate(&case);
                 assert_eq!(outcome.evidence.label(), Label::Equilibrium, "{outcome:?}");
