@@ -11,7 +11,7 @@
 //!
 //! The intervals of amplitude quantiles are those between order statistics, which cover at least 95 % for a fixed number of
 //! runs. In 2000 simulated points each, with uniform, exponential and bimodal amplitudes, the quantiles 50 and 95 %, and 180
-//! to 970 runs at the end, 93.4 to 96.5 % of them covered the quantile (tests/analysis/stopping.rs).
+//! to 970 runs at the end, 93.4 to 96.5 % of them covered the quantile; tests/analysis/stopping.rs repeats half of the settings.
 
 use super::point_summary::{PointAccumulator, PointSummary};
 
