@@ -247,7 +247,12 @@ fn damaged_files_are_read_or_refused() {
         fs::write(&path, &bytes).unwrap();
         let read = || -> Result<usize, TableError> {
             let table = Table::open(folder.path(), &listing(&path, &manifest), "t")?;
-            table.read(&all_kinds())?.map(|batch| batch.map(|batch| batch.rows)).sum()
+            let batches = table.read(&all_kinds())?;
+            let rows = batches
+                .map(|batch| batch.map(|batch| batch.rows))
+                .sum::<Result<usize, TableError>>()?;
+            assert_eq!(table.in_memory()?.rows(), rows, "byte {place}");
+            Ok(rows)
         };
         match read() {
             Ok(rows) => assert_eq!(rows, 100, "byte {place}"),
