@@ -53,14 +53,7 @@ fn wrong_tables_are_refused() {
 }
 
 #[test]
-fn files_that_cannot_be_read_are_reported_at_the_study_s_key() {
-    for (name, problem) in [("nothing.csv", "No such file"), (".", "a directory")] {
-        let rest = format!("sweep: [{{table: {name}}}]\n");
-        let error = load(&rest, "{monte_carlo: {samples: 10}}", b"").unwrap_err();
-        assert_eq!((error.line(), error.key()), (Some(7), "sweep[0].table"), "{error}");
-        assert!(error.problem().contains(problem), "{error}");
-        assert_eq!(error.found(), Some(name));
-    }
+fn tables_of_other_bytes_are_refused() {
     let design = "{monte_carlo: {samples: 10}}";
     let error = load("sweep: [{table: table.csv}]\n", design, b"speed_rad_s\n\xff\n").unwrap_err();
     assert!(error.problem().contains("not UTF-8"), "{error}");

@@ -277,8 +277,7 @@ fn an_unsupported_compression_is_refused_with_the_supported_ones() {
     assert!(error.allowed().unwrap().contains("ZSTD, SNAPPY, GZIP, LZ4_RAW"), "{error}");
 }
 
-/// A file of another format is refused. A truncated file, or a file with one changed byte, is read or refused without a
-/// panic.
+/// A file of another format is refused, and so is a truncated file. The test `fuzz` changes bytes.
 #[test]
 fn damaged_files_are_refused() {
     refused(b"", "", "not a readable Parquet file", "PAR1");
@@ -289,14 +288,6 @@ fn damaged_files_are_refused() {
     for length in (0..right.len()).step_by(7) {
         refused(&right[..length], "", "not a readable Parquet file", "PAR1");
     }
-    let mut read = 0;
-    for place in 0..right.len() {
-        let mut wrong = right.clone();
-        wrong[place] ^= 0xff;
-        read += u32::from(sweep(&wrong).is_ok());
-    }
-    // Changes in ignored metadata, such as program names and statistics, have no effect.
-    assert!(read > 0 && (read as usize) < right.len());
 }
 
 #[test]
