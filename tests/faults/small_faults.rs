@@ -60,7 +60,7 @@ fn a_changed_byte_is_never_a_wrong_row() {
         if !kinds.contains(&name.as_str()) {
             continue;
         }
-        for place in [0, content.len() / 3, content.len() / 2, content.len() - 1] {
+        for place in [0, content.len() / 2, content.len() - 1] {
             let copy = scratch.path("copy");
             assert_eq!(shell(&scratch, "cp -r out copy").code, Some(0));
             let mut changed = content.clone();
@@ -83,6 +83,6 @@ fn a_changed_byte_is_never_a_wrong_row() {
             fs::remove_dir_all(copy).unwrap();
         }
     }
-    assert_eq!(tried, 4 * kinds.len());
+    assert_eq!(tried, 3 * kinds.len());
     assert!(refused > 0 && refused < tried, "{refused} of {tried}");
 }
