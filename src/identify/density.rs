@@ -7,7 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::end::BallsEnd;
+use super::site::BallsEnd;
 
 /// The largest number of balls: the number of their permutations is the cost of a kernel.
 pub const MOST_BALLS: usize = 5;
@@ -229,7 +229,7 @@ pub(super) fn permutations(balls: usize) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::{Rests, permutations};
-    use crate::identify::BallsEnd;
+    use crate::identify::site::BallsEnd;
 
     const BANDWIDTH_RAD: f64 = 0.1;
 

@@ -199,7 +199,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::{TESTED, angles_between, permutations, test_at, torus};
-    use crate::identify::{BallsEnd, MeasuredRest, Rests, Site};
+    use crate::identify::density::Rests;
+    use crate::identify::site::{BallsEnd, MeasuredRest, Site};
     use crate::table::PointKey;
 
     fn point() -> PointKey {

@@ -1,13 +1,14 @@
-//! The result of an inference, as JSON and in words.
+//! The result of an inference, as JSON and in words, with warnings of a posterior that leans on an end of its prior and of too
+//! few simulated runs.
 
 use serde_json::{Value, json};
 
 use super::fit_test::{SiteFit, TESTED};
 use super::inference::{Inference, Inferred};
 use super::posterior::{Marginal, Posterior};
-use super::warnings::{is_accurate, warnings};
 use crate::numbers::four_digits;
 use crate::printed_table::{PrintedTable, as_text};
+use crate::study::DesignValue;
 
 /// The model does not explain the measured runs if the smallest probability over all sites, corrected for their number, is
 /// below this level.
@@ -19,23 +20,6 @@ const CORRELATED: f64 = 0.5;
 pub fn identification_json(inference: &Inference, inferred: &Inferred, measured: &str) -> Value {
     let study = inference.study;
     let Posterior { marginals, correlations, .. } = &inferred.posterior;
-    let marginal = |(parameter, width): (&Marginal, &f64)| {
-        json!({
-            "parameter": parameter.name,
-            "unit": parameter.unit,
-            "prior": parameter.prior,
-            "mean": parameter.mean,
-            "std_dev": parameter.std_dev,
-            "median": parameter.median,
-            "low": parameter.interval[0],
-            "high": parameter.interval[1],
-            "width_over_prior": parameter.width_over_prior,
-            "identified": parameter.is_identified(),
-            "simulation_error": parameter.simulation_error,
-            "leans_on": parameter.leans_on,
-            "regression_width": width,
-        })
-    };
     let fit = |site: &SiteFit| {
         json!({
             "point_id": site.point.point_id,
@@ -56,7 +40,7 @@ pub fn identification_json(inference: &Inference, inferred: &Inferred, measured:
         "parameter_sets": inferred.sets.len(),
         "runs": inferred.runs[0],
         "failed": inferred.runs[1],
-        "parameters": marginals.iter().zip(&inferred.widths).map(marginal).collect::<Vec<_>>(),
+        "parameters": marginals,
         "correlations": correlations,
         "fit": {
             "sites": inferred.fits.iter().map(fit).collect::<Vec<_>>(),
@@ -81,12 +65,12 @@ pub fn result_in_words(inference: &Inference, inferred: &Inferred) -> String {
     table.add("parameter", |marginal| marginal.name.clone()).left();
     table.add("unit", |marginal| marginal.unit.to_owned()).left();
     table.add("median", |marginal| four_digits(marginal.median));
-    table.add("95 % interval", |marginal| range(marginal.interval));
+    table.add("95 % interval", |marginal| range([marginal.low, marginal.high]));
     table.add("prior", |marginal| range(marginal.prior));
     table.add("width/prior", |marginal| format!("{:.2}", marginal.width_over_prior));
     let mut text = as_text(&table.columns);
     let mut line = |words: String| text.push_str(&(words + "\n"));
-    for marginal in marginals.iter().filter(|marginal| !marginal.is_identified()) {
+    for marginal in marginals.iter().filter(|marginal| !marginal.identified) {
         line(format!(
             "{} is not identified: its interval has {:.0} % of the width of the prior's",
             marginal.name,
@@ -137,4 +121,66 @@ fn fit_in_words(inference: &Inference, inferred: &Inferred) -> String {
         ));
     }
     text
+}
+
+/// Errors from the number of simulated runs above this give a warning, over the standard deviation of the posterior.
+const INACCURATE: f64 = 0.5;
+/// The fewest parameter sets from which this error is estimated, for each coefficient of the local quadratic regression.
+const SETS_PER_COEFFICIENT: usize = 10;
+/// A wider prior is proposed: wider by the first of these parts of its width that gives a possible machine.
+const WIDER: [f64; 3] = [0.5, 0.2, 0.1];
+
+/// Returns the warnings, each with the key, what was found, and a remedy.
+pub fn warnings(inference: &Inference, inferred: &Inferred) -> Vec<String> {
+    let Inference { study, identification, .. } = *inference;
+    let marginals = &inferred.posterior.marginals;
+    let medians: Vec<f64> = marginals.iter().map(|marginal| marginal.median).collect();
+    let leaning = |(index, marginal): (usize, &Marginal)| {
+        let (key, name) = (marginal.leans_on?, &marginal.name);
+        let (end, side) =
+            if key == "from" { (marginal.prior[0], -1.0) } else { (marginal.prior[1], 1.0) };
+        // Beyond an end that is a limit of the physics, such as a friction of 0, nothing can be true.
+        let wider = WIDER.iter().find_map(|part| {
+            let mut place = identification.place_of(&medians);
+            place[index] = 0.5 + side * (0.5 + part);
+            let values = identification.values_at(&place);
+            let numbers: Vec<DesignValue> =
+                values.iter().map(|value| DesignValue::Number(*value)).collect();
+            study.set(&numbers).is_ok().then(|| four_digits(values[index]))
+        })?;
+        let [end, low, high] = [end, marginal.low, marginal.high].map(four_digits);
+        Some(format!(
+            "identify.parameters.{name}.{key}: the posterior leans on this end of the prior, and the true value may be \
+             beyond it\n  found:  {end}, and a 95 % interval from {low} to {high}\n  remedy: a wider prior, such as {key}: \
+             {wider}"
+        ))
+    };
+    let inaccurate = |marginal: &Marginal| {
+        let (sets, runs) = (inferred.sets.len(), study.run_count());
+        let few = match fewest_sets(inferred) {
+            fewest if sets < fewest => format!(" (an estimate that needs at least {fewest} sets)"),
+            _ => String::new(),
+        };
+        format!(
+            "identify.designs: too few simulated runs for an accurate posterior of {}\n  found:  {sets} parameter sets with \
+             {runs} runs each, which give an error of about {:.1} standard deviations{few}; the interval may be too narrow or \
+             misplaced by that much or more, and all inferences from these runs share the error\n  remedy: more parameter sets \
+             (start_designs and designs), or more runs in each, before the interval is used",
+            marginal.name, marginal.simulation_error
+        )
+    };
+    let leaning = marginals.iter().enumerate().filter_map(leaning);
+    leaning
+        .chain(marginals.iter().filter(|marginal| !is_accurate(inferred, marginal)).map(inaccurate))
+        .collect()
+}
+
+/// Returns whether enough runs are simulated for the posterior of a parameter.
+pub(super) fn is_accurate(inferred: &Inferred, marginal: &Marginal) -> bool {
+    marginal.simulation_error <= INACCURATE && inferred.sets.len() >= fewest_sets(inferred)
+}
+
+fn fewest_sets(inferred: &Inferred) -> usize {
+    let parameters = inferred.posterior.marginals.len();
+    SETS_PER_COEFFICIENT * (parameters + 1) * (parameters + 2) / 2
 }

@@ -6,15 +6,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::density::{MOST_BALLS, Rests};
-use super::end::{BallsEnd, SimulatedEnd};
 use super::fit_test::{SiteFit, fit_tests};
-use super::likelihood::{Likelihood, Replicated, set_weights};
+use super::likelihood::{Likelihood, References, set_weights, with_references};
 use super::parameter_set::{ParameterSet, SetFiles, set_seed};
-use super::posterior::{Posterior, next_places, posterior};
-use super::references::{References, with_references};
-use super::regression_width::{CrossValidation, first_widths};
+use super::posterior::{Marginal, Posterior, next_places, posterior};
+use super::regression_width::{FIRST_WIDTH, best_widths, leave_out};
 use super::set_densities::SetDensities;
-use super::site::Site;
+use super::site::{BallsEnd, SimulatedEnd, Site};
 use super::smoother::Smoother;
 use crate::classification::Label;
 use crate::engine::{CommandError, WorkerPool};
@@ -42,16 +40,6 @@ pub struct Inference<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// How an inference ended.
-pub enum InferenceEnd {
-    /// The posterior.
-    Finished(Box<Inferred>),
-    /// The inference was stopped; the runs of complete parameter sets are kept.
-    Stopped,
-    /// There is no posterior, for this reason.
-    Impossible(String),
-}
-
 /// What was inferred.
 #[derive(Clone, Debug)]
 pub struct Inferred {
@@ -59,29 +47,28 @@ pub struct Inferred {
     pub sets: Vec<(Vec<DesignValue>, [f64; 2])>,
     /// The number of runs of all parameter sets, and how many of them failed.
     pub runs: [u64; 2],
-    /// The width of the regression over each parameter, over that of the prior.
-    pub widths: Vec<f64>,
     /// The posterior.
     pub posterior: Posterior,
     /// The tests at each site.
     pub fits: Vec<SiteFit>,
 }
 
-/// Infers the parameters. Calls `finished` for each run that is computed, and `evaluated` after each parameter set.
+/// Infers the parameters. Calls `finished` for each run that is computed, and `evaluated` after each parameter set. Returns
+/// `None` if the inference was stopped; the runs of complete parameter sets are then kept.
 ///
 /// # Errors
-/// Returns the errors of `sets`.
+/// Returns the errors of `sets`, and that of `impossible` with the reason if there is no posterior.
 pub(super) fn infer(
     inference: &Inference,
     sets: &mut SetFiles,
     finished: &(dyn Fn(Label) + Sync),
     mut evaluated: impl FnMut(u64),
-) -> Result<InferenceEnd, CommandError> {
+    impossible: impl Fn(String) -> CommandError,
+) -> Result<Option<Inferred>, CommandError> {
     let Inference { study, identification, workers, .. } = *inference;
     let balls = study.model().angle_contacts().len();
     if balls > MOST_BALLS {
-        let problem = format!("{balls} balls; at most {MOST_BALLS} are supported");
-        return Ok(InferenceEnd::Impossible(problem));
+        return Err(impossible(format!("{balls} balls; at most {MOST_BALLS} are supported")));
     }
     let mut all = EvaluatedSets::new(inference);
     while all.count() < identification.designs {
@@ -91,10 +78,10 @@ pub(super) fn infer(
         let places: Vec<Vec<f64>> = if is_start {
             (all.count()..all.count() + count).map(|index| start_place(inference, index)).collect()
         } else {
-            workers.install(|| next_places(study, &all.likelihood(), count as usize))
+            workers.install(|| next_places(study, &all.likelihood, count as usize))
         };
         let Some(simulated) = simulated(inference, sets, &places, finished)? else {
-            return Ok(InferenceEnd::Stopped);
+            return Ok(None);
         };
         for set in simulated {
             all.add(set);
@@ -102,14 +89,12 @@ pub(super) fn infer(
         }
         if all.count() == identification.start_designs {
             if all.rests.iter().flatten().all(|rests| rests.runs() == 0) {
-                let problem = "all runs of all parameter sets failed".to_owned();
-                return Ok(InferenceEnd::Impossible(problem));
+                return Err(impossible("all runs of all parameter sets failed".to_owned()));
             }
             workers.install(|| all.choose_smoothing());
         }
     }
-    let inferred = workers.install(|| all.inferred());
-    Ok(InferenceEnd::Finished(Box::new(inferred)))
+    Ok(Some(workers.install(|| all.inferred())))
 }
 
 /// Returns the place of an initial parameter set in the unit cube: a scrambled Sobol' point.
@@ -194,40 +179,24 @@ struct EvaluatedSets<'a> {
     values: Vec<Vec<DesignValue>>,
     /// The simulated ends of each set at each site.
     rests: Vec<Vec<Rests>>,
-    densities: Vec<Vec<SetDensities>>,
-    set_weights: Vec<Replicated>,
-    uniform: Vec<f64>,
-    /// The sites with positions of reference after the measured ones, once there are some.
-    sites: Vec<Site>,
-    references: Vec<References>,
-    widths: Vec<f64>,
-    smoother: Smoother,
+    likelihood: Likelihood,
     runs: [u64; 2],
 }
 
 impl<'a> EvaluatedSets<'a> {
     fn new(inference: &'a Inference<'a>) -> Self {
         let Inference { study, sites, identification, .. } = *inference;
-        let widths = first_widths(identification.parameters.len());
-        EvaluatedSets {
-            inference,
-            values: Vec::new(),
-            rests: Vec::new(),
-            densities: Vec::new(),
-            set_weights: Vec::new(),
-            references: sites
-                .iter()
-                .map(|site| References::known(site.rests.len(), None))
-                .collect(),
+        let references = sites.iter().map(|site| References::known(site.rests.len(), None));
+        let widths = vec![FIRST_WIDTH; identification.parameters.len()];
+        let likelihood = Likelihood {
+            references: references.collect(),
             sites: sites.to_vec(),
-            uniform: vec![
-                Rests::new(study.model().angle_contacts().len(), []).uniform();
-                sites.len()
-            ],
-            smoother: Smoother::new(Vec::new(), widths.clone()),
-            widths,
-            runs: [0; 2],
-        }
+            densities: Vec::new(),
+            smoother: Smoother::new(Vec::new(), widths),
+            set_weights: Vec::new(),
+            uniform: Rests::new(study.model().angle_contacts().len(), []).uniform(),
+        };
+        EvaluatedSets { inference, values: Vec::new(), rests: Vec::new(), likelihood, runs: [0; 2] }
     }
 
     fn count(&self) -> u64 {
@@ -251,66 +220,49 @@ impl<'a> EvaluatedSets<'a> {
         self.runs[0] += study.run_count();
         self.runs[1] += study.run_count().saturating_sub(ended.count() as u64);
         let numbers: Vec<f64> = set.values.iter().map(number_of).collect();
-        let mut places = self.smoother.places.to_vec();
-        places.push(identification.place_of(&numbers));
-        self.smoother = Smoother::new(places, self.widths.clone());
-        self.densities.push(self.densities_of(&rests));
-        self.set_weights.push(set_weights(study, self.values.len()));
+        self.likelihood.smoother.places.push(identification.place_of(&numbers));
+        self.likelihood.densities.push(densities(&self.likelihood.sites, &rests));
+        self.likelihood.set_weights.push(set_weights(study, self.values.len()));
         self.rests.push(rests);
         self.values.push(set.values);
-    }
-
-    fn densities_of(&self, rests: &[Rests]) -> Vec<SetDensities> {
-        let each = self.sites.iter().zip(rests);
-        each.map(|(site, rests)| SetDensities::at_site(site, rests)).collect()
-    }
-
-    fn likelihood(&self) -> Likelihood<'_> {
-        let EvaluatedSets { sites, references, densities, smoother, set_weights, uniform, .. } =
-            self;
-        Likelihood { sites, references, densities, smoother, set_weights, uniform }
     }
 
     /// Adds reference positions, and chooses the widths of the regression.
     fn choose_smoothing(&mut self) {
         let Inference { study, sites, .. } = *self.inference;
-        let places = self.smoother.places.to_vec();
-        let likelihood = self.likelihood();
+        let EvaluatedSets { rests, likelihood, .. } = self;
+        let places = &likelihood.smoother.places;
         let likelihoods: Vec<f64> =
             places.par_iter().map(|place| likelihood.at(place, 0)).collect();
-        let validation = CrossValidation::new(study, sites, &self.rests, &places, &likelihoods);
-        let at =
-            |index: usize| -> Vec<&Rests> { self.rests.iter().map(|set| &set[index]).collect() };
-        let with_references =
-            |(index, site): (usize, &Site)| with_references(study, index, site, &at(index));
-        self.sites = sites.iter().enumerate().map(with_references).collect();
-        self.densities = self.rests.par_iter().map(|rests| self.densities_of(rests)).collect();
+        let left_out = leave_out(study, sites, rests, &likelihoods);
+        let with_references = |(index, site): (usize, &Site)| {
+            let here: Vec<&Rests> = rests.iter().map(|set| &set[index]).collect();
+            with_references(study, index, site, &here)
+        };
+        likelihood.sites = sites.iter().enumerate().map(with_references).collect();
+        let of_set = |rests: &Vec<Rests>| densities(&likelihood.sites, rests);
+        likelihood.densities = rests.par_iter().map(of_set).collect();
         let references = |(index, site): (usize, &Site)| {
-            let each: Vec<&SetDensities> = self.densities.iter().map(|set| &set[index]).collect();
+            let each: Vec<&SetDensities> =
+                likelihood.densities.iter().map(|set| &set[index]).collect();
             References::new(site.rests.len(), &each)
         };
-        self.references = sites.iter().enumerate().map(references).collect();
-        self.widths = validation.widths(&self.densities, &self.references);
-        self.smoother = Smoother::new(places, self.widths.clone());
+        likelihood.references = sites.iter().enumerate().map(references).collect();
+        likelihood.smoother.widths = best_widths(likelihood, rests, &left_out);
     }
 
     fn inferred(self) -> Inferred {
         let Inference { study, sites, identification, .. } = *self.inference;
-        let likelihood = self.likelihood();
-        let posterior = posterior(study, identification, &likelihood);
+        let likelihood = &self.likelihood;
+        let posterior = posterior(study, identification, likelihood);
         let numbered = posterior.samples.iter().enumerate();
         let drawn: Vec<&[Rests]> =
             numbered.map(|(number, sample)| self.near(&posterior, number, sample)).collect();
         let fits = fit_tests(study, sites, &drawn);
         let at = |place: &Vec<f64>| likelihood.with_error(place);
-        let likelihoods: Vec<[f64; 2]> = self.smoother.places.par_iter().map(at).collect();
-        Inferred {
-            sets: self.values.iter().cloned().zip(likelihoods).collect(),
-            runs: self.runs,
-            posterior,
-            fits,
-            widths: self.widths,
-        }
+        let likelihoods: Vec<[f64; 2]> = likelihood.smoother.places.par_iter().map(at).collect();
+        let sets = self.values.iter().cloned().zip(likelihoods).collect();
+        Inferred { sets, runs: self.runs, posterior, fits }
     }
 
     /// Returns the ends of one of the parameter sets next to a sample of the posterior: the first of several samples has those of
@@ -318,7 +270,7 @@ impl<'a> EvaluatedSets<'a> {
     fn near(&self, posterior: &Posterior, number: usize, sample: &[f64]) -> &[Rests] {
         let distance = |set: &Vec<DesignValue>| -> f64 {
             let parts = set.iter().zip(sample).zip(&posterior.marginals);
-            let square = |((value, sample), marginal): ((&DesignValue, &f64), &super::Marginal)| {
+            let square = |((value, sample), marginal): ((&DesignValue, &f64), &Marginal)| {
                 ((number_of(value) - sample) / marginal.std_dev.max(f64::MIN_POSITIVE)).powi(2)
             };
             parts.map(square).sum()
@@ -330,6 +282,11 @@ impl<'a> EvaluatedSets<'a> {
         });
         &self.rests[*index]
     }
+}
+
+/// Returns the densities of one parameter set at each site.
+fn densities(sites: &[Site], rests: &[Rests]) -> Vec<SetDensities> {
+    sites.iter().zip(rests).map(|(site, rests)| SetDensities::at_site(site, rests)).collect()
 }
 
 /// Returns the number of a value; only numbers are identified.

@@ -5,13 +5,12 @@ use std::sync::atomic::AtomicBool;
 
 use serde_json::{Value, json};
 
-use super::in_words::{identification_json, result_in_words};
-use super::inference::{Inference, InferenceEnd, infer};
+use super::in_words::{identification_json, result_in_words, warnings};
+use super::inference::{Inference, Inferred, infer};
 use super::parameter_set::SetFiles;
 use super::result_files::{ResultFiles, SIMULATIONS};
 use super::set_densities::check_memory;
 use super::site::sites;
-use super::warnings::warnings;
 use crate::engine::{CommandError, Parts, Planned, Progress, ProgressDisplay, WorkerPool};
 use crate::study::{Identification, MeasuredRun, Study};
 
@@ -103,17 +102,7 @@ impl Identify<'_> {
             workers,
             stop,
         };
-        let inferred = match self.with_progress(&inference, &mut sets)? {
-            InferenceEnd::Finished(inferred) => inferred,
-            InferenceEnd::Stopped => return Ok(None),
-            InferenceEnd::Impossible(problem) => {
-                let file = self.file.display();
-                let allowed = "parameters on which the measured positions of rest depend";
-                return Err(CommandError::Usage(format!(
-                    "{file}: `identify`: {problem}\n  allowed: {allowed}"
-                )));
-            }
-        };
+        let Some(inferred) = self.with_progress(&inference, &mut sets)? else { return Ok(None) };
         let summary = identification_json(&inference, &inferred, &results.measured);
         results.write(&inference, &inferred, &summary)?;
         let in_words = result_in_words(&inference, &inferred);
@@ -126,7 +115,7 @@ impl Identify<'_> {
         &self,
         inference: &Inference,
         sets: &mut SetFiles,
-    ) -> Result<InferenceEnd, CommandError> {
+    ) -> Result<Option<Inferred>, CommandError> {
         let Inference { study, identification, .. } = *inference;
         let designs = identification.designs;
         let runs = designs.saturating_mul(study.run_count());
@@ -135,10 +124,16 @@ impl Identify<'_> {
         let progress = Progress::begin(planned, self.show.clone());
         progress.keep_drawing();
         let finished = |label| progress.finished(label);
-        let end = infer(inference, sets, &finished, |number| {
+        let evaluated = |number| {
             progress.point(|| format!("parameter set {number} of {designs}"), || json!({}));
-        });
+        };
+        let impossible = |problem| {
+            let file = self.file.display();
+            let allowed = "parameters on which the measured positions of rest depend";
+            CommandError::Usage(format!("{file}: `identify`: {problem}\n  allowed: {allowed}"))
+        };
+        let inferred = infer(inference, sets, &finished, evaluated, impossible);
         progress.close();
-        end
+        inferred
     }
 }

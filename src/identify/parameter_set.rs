@@ -8,7 +8,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use super::end::{BallsEnd, SimulatedEnd};
+use super::site::{BallsEnd, SimulatedEnd};
 use crate::engine::{CommandError, ContinuedDirectory};
 use crate::responses::design_json;
 use crate::study::{DesignValue, Study};
@@ -68,7 +68,7 @@ pub fn set_columns(study: &Study) -> Vec<Column<SimulatedEnd>> {
     list.finish()
 }
 
-/// Reads the runs of a parameter set from a directory; `None` if it has none.
+/// Reads the runs of a parameter set from a directory.
 ///
 /// # Errors
 /// Returns an error if the table was changed or belongs to another study.
@@ -76,12 +76,8 @@ pub fn read_parameter_set(
     study: &Study,
     directory: &Path,
     values: &[DesignValue],
-) -> Result<Option<ParameterSet>, TableError> {
+) -> Result<ParameterSet, TableError> {
     let name = set_name(study, values);
-    let path = directory.join(format!("{name}.parquet"));
-    if !path.exists() {
-        return Ok(None);
-    }
     let (table, about) = Table::of_itself(directory, &name)?;
     let other = || {
         let fault = crate::tabular::Fault::new(
@@ -89,7 +85,7 @@ pub fn read_parameter_set(
             "another study or other parameters in the metadata",
             "another directory for the simulated runs, with --simulations DIR",
         );
-        TableError::new(&path, None, fault)
+        TableError::new(&directory.join(format!("{name}.parquet")), None, fault)
     };
     if about["study_hash"] != study.hash() || about["options"] != set_facts(study, values) {
         return Err(other());
@@ -97,7 +93,7 @@ pub fn read_parameter_set(
     let balls = study.model().angle_contacts().len();
     let ends = table.read_rows(|row| read_end(row, balls))?;
     let ends = ends.map(|end| end?.ok_or_else(other)).collect::<Result<_, _>>()?;
-    Ok(Some(ParameterSet { values: values.to_vec(), ends }))
+    Ok(ParameterSet { values: values.to_vec(), ends })
 }
 
 /// Returns the end in a row; `None` if it is none.
@@ -141,9 +137,7 @@ impl<'a> SetFiles<'a> {
         let directory = ContinuedDirectory::open(path, reason, is_set)?;
         Ok(SetFiles { study, directory })
     }
-}
 
-impl SetFiles<'_> {
     /// Returns the runs of a parameter set, if they have been computed before.
     pub(super) fn find(
         &mut self,
@@ -153,8 +147,8 @@ impl SetFiles<'_> {
         if self.directory.changed.contains(&name) || !self.directory.list.has(&name) {
             return Ok(None);
         }
-        read_parameter_set(self.study, self.directory.path, values)
-            .map_err(|error| CommandError::Usage(error.to_string()))
+        let read = read_parameter_set(self.study, self.directory.path, values);
+        read.map(Some).map_err(|error| CommandError::Usage(error.to_string()))
     }
 
     /// Keeps the runs of a parameter set.

@@ -4,6 +4,7 @@
 //! mean of the posteriors of several replicates, in which parameter sets have other weights.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::likelihood::{Likelihood, REPLICATES};
 use super::sampler::{generator, sample_in_unit_cube};
@@ -27,9 +28,10 @@ pub struct Posterior {
 }
 
 /// The posterior of one parameter.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Marginal {
     /// Name of the parameter.
+    #[serde(rename = "parameter")]
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
@@ -41,24 +43,23 @@ pub struct Marginal {
     pub std_dev: f64,
     /// Median of the samples.
     pub median: f64,
-    /// The 95 % interval between quantiles of the samples.
-    pub interval: [f64; 2],
+    /// Lower end of the 95 % interval, a quantile of the samples.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
     /// Width of the interval over that of the prior's, on the scale on which the prior is constant: 1 if the measurements say
     /// nothing.
     pub width_over_prior: f64,
+    /// Whether the measurements determine the parameter.
+    pub identified: bool,
     /// The standard deviation of the means of the replicates, over the standard deviation of the samples: the error that
     /// comes from the finite number of simulated runs, which the interval includes.
     pub simulation_error: f64,
     /// The end of the prior on which the posterior leans, `from` or `to`; `None` if both ends are near, because the posterior is
     /// then about as wide as the prior, or if none is.
     pub leans_on: Option<&'static str>,
-}
-
-impl Marginal {
-    /// Returns whether the measurements determine the parameter.
-    pub fn is_identified(&self) -> bool {
-        self.width_over_prior <= FLAT
-    }
+    /// The width of the regression over the parameter, over that of the prior.
+    pub regression_width: f64,
 }
 
 /// Returns the posterior.
@@ -95,6 +96,7 @@ fn summary(
         let of_places: Vec<f64> = places.iter().map(|place| place[index]).collect();
         let (_, deviation) = mean_and_deviation(&of_places);
         let [first, _, last] = quantiles(of_places);
+        let width_over_prior = (last - first) / 0.95;
         let near = widths[index].max(NEAR * (last - first));
         let leans_on = match [first < near, last > 1.0 - near] {
             [true, false] => Some("from"),
@@ -112,10 +114,13 @@ fn summary(
             mean,
             std_dev,
             median,
-            interval: [low, high],
-            width_over_prior: (last - first) / 0.95,
+            low,
+            high,
+            width_over_prior,
+            identified: width_over_prior <= FLAT,
             simulation_error: of_means / deviation,
             leans_on,
+            regression_width: widths[index],
         }
     };
     let correlation = |first: usize, second: usize| {
@@ -163,7 +168,11 @@ pub(super) fn next_places(study: &Study, likelihood: &Likelihood, count: usize) 
     let mut random = generator(study, "identify next", places.len() as u64);
     let density = |place: &[f64]| likelihood.at(place, 0);
     let candidates = sample_in_unit_cube(dimensions, CANDIDATES, density, &mut random);
-    let widths: Vec<f64> = (0..dimensions).map(|index| width(&candidates, index)).collect();
+    let width = |index: usize| {
+        let of_candidates: Vec<f64> = candidates.iter().map(|place| place[index]).collect();
+        mean_and_deviation(&of_candidates).1.max(1e-6)
+    };
+    let widths: Vec<f64> = (0..dimensions).map(width).collect();
     let mut all = places.to_vec();
     for _ in 0..count {
         let distance = |place: &Vec<f64>| {
@@ -179,12 +188,4 @@ pub(super) fn next_places(study: &Study, likelihood: &Likelihood, count: usize) 
         all.push(farthest.clone());
     }
     all.split_off(places.len())
-}
-
-/// Returns the standard deviation of a coordinate.
-fn width(places: &[Vec<f64>], index: usize) -> f64 {
-    let count = places.len() as f64;
-    let mean = places.iter().map(|place| place[index]).sum::<f64>() / count;
-    let square = |place: &Vec<f64>| (place[index] - mean).powi(2);
-    (places.iter().map(square).sum::<f64>() / count).sqrt().max(1e-6)
 }
