@@ -9,7 +9,7 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use super::goal::{Goal, pareto_front};
-use super::process::QuantityScale;
+use super::process::ScaledQuantity;
 
 /// Normal distribution of a quantity of a design: mean and standard deviation.
 pub(super) type Prediction = (f64, f64);
@@ -29,26 +29,19 @@ pub(super) struct Criterion {
 }
 
 impl Criterion {
-    /// Returns the criterion for the goal; `values` holds the scaled values of all designs by quantity, and `errors` the
-    /// typical standard error of each quantity.
-    pub fn new(
-        goal: &Goal,
-        scales: &[QuantityScale],
-        values: &[Vec<f64>],
-        errors: &[f64],
-    ) -> Criterion {
+    /// Returns the criterion for the goal and its quantities.
+    pub fn new(goal: &Goal, quantities: &[ScaledQuantity]) -> Criterion {
         let sign = |negative: bool| if negative { -1.0 } else { 1.0 };
         let objectives = goal.objectives.iter();
         let costs: Vec<(usize, f64)> =
             objectives.map(|(quantity, objective)| (*quantity, sign(objective.maximize))).collect();
         let limit = |(quantity, limit): &(usize, crate::study::Limit)| {
-            Some((*quantity, sign(limit.least), scales.get(*quantity)?.scaled(limit.value)))
+            let value = quantities.get(*quantity)?.scale.scaled(limit.value);
+            Some((*quantity, sign(limit.least), value))
         };
         let limits: Vec<(usize, f64, f64)> = goal.limits.iter().filter_map(limit).collect();
-        let designs = values.first().map_or(0, Vec::len);
-        let of = |quantity: usize, design: usize| {
-            values.get(quantity).and_then(|all| all.get(design)).copied().unwrap_or(f64::NAN)
-        };
+        let designs = quantities.first().map_or(0, |quantity| quantity.values.len());
+        let of = |quantity: usize, design: usize| quantities[quantity].values[design];
         let feasible_costs = |design: usize| {
             let excess = |(quantity, sign, value): &(usize, f64, f64)| {
                 sign * (of(*quantity, design) - value)
@@ -62,7 +55,8 @@ impl Criterion {
         let mut front: Vec<Vec<f64>> =
             pareto_front(&all).into_iter().filter_map(|index| all.get(index)?.clone()).collect();
         front.sort_by(|left, right| left[0].total_cmp(&right[0]));
-        Criterion { costs, errors: errors.to_vec(), limits, front, corner }
+        let errors = quantities.iter().map(|quantity| quantity.noise.sqrt()).collect();
+        Criterion { costs, errors, limits, front, corner }
     }
 
     /// Returns the logarithm of the criterion of a design from the prediction of each quantity.

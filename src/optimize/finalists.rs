@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 
 use super::evaluations::Evaluation;
-use super::goal::{Goal, pareto_front, values};
+use super::goal::{best, by_rank, pareto_front, values};
 use super::search::Search;
 use crate::analysis::{Estimate, Measure};
 use crate::classification::Label;
@@ -69,28 +69,19 @@ impl Finalist {
     }
 }
 
-/// All designs of the finalists.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Finalists {
-    /// In the order of their evaluation.
-    pub all: Vec<Finalist>,
+/// Returns the first design with this role.
+pub fn of_role(finalists: &[Finalist], role: FinalistRole) -> Option<&Finalist> {
+    finalists.iter().find(|finalist| finalist.role == role)
 }
 
-impl Finalists {
-    /// Returns the first design with this role.
-    pub fn of(&self, role: FinalistRole) -> Option<&Finalist> {
-        self.all.iter().find(|finalist| finalist.role == role)
-    }
-}
-
-/// Evaluates the best designs again and calls `finished` for each run. Returns `None` if the search was stopped.
+/// Evaluates the best designs again and calls `finished` for each run; returns them in the order of their evaluation, or
+/// `None` if the search was stopped.
 pub fn finalists(
     search: &Search,
     evaluations: &[Evaluation],
     finished: &(dyn Fn(Label) + Sync),
-) -> Option<Finalists> {
-    let optimization = search.optimization;
-    let goal = Goal::new(search.study, optimization);
+) -> Option<Vec<Finalist>> {
+    let goal = &search.goal;
     let evaluate = |role, design, values: &[DesignValue]| {
         let mut answers = respond_with_own_runs(search, role, design, values, finished)?;
         let relative_amplitudes =
@@ -111,7 +102,7 @@ pub fn finalists(
     };
     let single = goal.objectives.len() == 1;
     let role = if single { FinalistRole::Finalist } else { FinalistRole::Pareto };
-    let mut all: Vec<Finalist> = candidates(search, &goal, evaluations)
+    let mut all: Vec<Finalist> = candidates(search, evaluations)
         .into_iter()
         .map(|index| evaluate(role, Some(index as u64), &evaluations.get(index)?.values))
         .collect::<Option<_>>()?;
@@ -128,11 +119,11 @@ pub fn finalists(
             finalist.on_front = Some(front.contains(&index));
         }
     }
-    if let Some(values) = &optimization.compare_with {
+    if let Some(values) = &search.optimization.compare_with {
         let design = evaluations.iter().position(|evaluation| evaluation.values == *values);
         all.push(evaluate(FinalistRole::CompareWith, design.map(|index| index as u64), values)?);
     }
-    Some(Finalists { all })
+    Some(all)
 }
 
 /// Returns an upper bound of the number of runs of the finalists.
@@ -179,7 +170,8 @@ fn respond_with_own_runs(
 
 /// Returns the designs of the finalists: the best by rank, or the Pareto front of those that meet the limits, thinned
 /// out evenly along its first objective.
-fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<usize> {
+fn candidates(search: &Search, evaluations: &[Evaluation]) -> Vec<usize> {
+    let goal = &search.goal;
     let all = goal.values_of_designs(evaluations);
     let most = search.optimization.finalists as usize;
     if goal.objectives.len() == 1 {
@@ -201,13 +193,4 @@ fn candidates(search: &Search, goal: &Goal, evaluations: &[Evaluation]) -> Vec<u
         return front;
     }
     (0..most).map(|place| front[place * (front.len() - 1) / (most - 1)]).collect()
-}
-
-/// Returns the index of the best rank, the first one among equals.
-pub(super) fn best(ranks: impl Iterator<Item = (u8, f64)>) -> Option<usize> {
-    ranks.enumerate().min_by(|left, right| by_rank(left.1, right.1)).map(|(index, _)| index)
-}
-
-fn by_rank(left: (u8, f64), right: (u8, f64)) -> std::cmp::Ordering {
-    left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
 }

@@ -1,9 +1,14 @@
 //! The goal of a search in numbers: costs over all points of a sweep, excesses over limits, and the Pareto front of costs.
 
+use std::cmp::Ordering;
+
 use super::evaluations::Evaluation;
 use crate::analysis::Estimate;
 use crate::responses::Answer;
 use crate::study::{Limit, Objective, Optimization, OverPoints, Study};
+
+/// The rank of a design: designs with a smaller first part are better, and among those the ones with a smaller number.
+pub(super) type Rank = (u8, f64);
 
 /// A response over all points of the sweep.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -107,7 +112,7 @@ impl Goal {
 
     /// Returns the rank of a design with one objective: first designs that meet all limits, by their cost; then the
     /// others, by their largest excess relative to the limit; then those with unknown values.
-    pub fn rank(&self, values: &[Option<f64>]) -> (u8, f64) {
+    pub fn rank(&self, values: &[Option<f64>]) -> Rank {
         let cost = self.costs(values).first().copied().flatten();
         let sizes = self.limits.iter().map(|(_, limit)| match limit.value.abs() {
             0.0 => 1.0,
@@ -119,6 +124,15 @@ impl Goal {
         let largest = largest.fold(f64::NEG_INFINITY, f64::max);
         if largest <= 0.0 { (0, cost) } else { (1, largest) }
     }
+}
+
+/// Returns the index of the best rank, the first one among equals.
+pub(super) fn best(ranks: impl Iterator<Item = Rank>) -> Option<usize> {
+    ranks.enumerate().min_by(|left, right| by_rank(left.1, right.1)).map(|(index, _)| index)
+}
+
+pub(super) fn by_rank(left: Rank, right: Rank) -> Ordering {
+    left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
 }
 
 /// Returns the values of estimates.

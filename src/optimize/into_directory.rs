@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde_json::{Value, json};
 
 use super::evaluations::{DesignOrigin, Evaluation, read_evaluations};
-use super::finalists::{FinalistRole, Finalists, final_runs, finalists};
-use super::report::{nearest_unmet, optimum_json, result_in_words, search_line};
+use super::finalists::{Finalist, final_runs, finalists};
+use super::goal::Goal;
+use super::report::{optimum_json, result_in_words, search_line, unmet};
 use super::search::{Search, SearchEnd, search};
-use super::search_directory::SearchDirectory;
+use super::search_directory::{SearchDirectory, sensitivity_columns};
 use super::sensitivity::{sensitivities, surrogates};
-use super::tables::sensitivity_columns;
 use crate::classification::Label;
 use crate::engine::{CommandError, Parts, Planned, Progress, ProgressDisplay, WorkerPool, say};
 use crate::numbers::counted;
@@ -70,7 +70,8 @@ impl Optimize<'_> {
         for name in &results.directory.changed {
             say(&format!("{name} has been changed since it was written; writing it anew"));
         }
-        let what = Search { study, optimization, workers, stop };
+        let goal = Goal::new(study, optimization);
+        let what = Search { study, optimization, goal, workers, stop };
         if !evaluations.is_empty() {
             let designs = counted(evaluations.len(), "design");
             self.report(&format!("continuing after {designs} in {}", directory.display()));
@@ -79,20 +80,13 @@ impl Optimize<'_> {
         let mut end = SearchEnd::Finished;
         for until in [optimization.start_designs.min(optimization.designs), optimization.designs] {
             if end == SearchEnd::Finished {
-                end = self.search_until(&what, &mut evaluations, until, &mut results)?;
+                let ended = self.search_until(&what, &mut evaluations, until, &mut results)?;
+                let Some(ended) = ended else { return Ok(None) };
+                end = ended;
             }
         }
-        match &end {
-            SearchEnd::Stopped => return Ok(None),
-            SearchEnd::Constant(problem) => {
-                let allowed =
-                    "an objective that has a value for these designs and depends on the design";
-                return Err(CommandError::Usage(format!(
-                    "{file}: `optimize`: {problem}\n  allowed: {allowed}"
-                )));
-            }
-            SearchEnd::NoMoreDesigns => self.report("all possible designs have been evaluated"),
-            SearchEnd::Finished => {}
+        if end == SearchEnd::NoMoreDesigns {
+            self.report(end.in_words());
         }
         let instead = evaluations
             .iter()
@@ -121,7 +115,7 @@ impl Optimize<'_> {
             return Ok(None);
         };
         results.write_finals(&finalists)?;
-        let summary = optimum_json(&what, &end, &evaluations, &finalists, &sensitivities);
+        let summary = optimum_json(&what, end, &evaluations, &finalists, &sensitivities);
         results.directory.write_json("optimum.json", &summary)?;
         Ok(Some(Optimized {
             summary,
@@ -144,20 +138,20 @@ impl Optimize<'_> {
         evaluations: &mut Vec<Evaluation>,
         until: u64,
         results: &mut SearchDirectory,
-    ) -> Result<SearchEnd, CommandError> {
+    ) -> Result<Option<SearchEnd>, CommandError> {
         let missing = until.saturating_sub(evaluations.len() as u64);
         if missing == 0 {
-            return Ok(SearchEnd::Finished);
+            return Ok(Some(SearchEnd::Finished));
         }
         let runs = missing.saturating_mul(what.study.most_runs_of_a_design());
         let progress = Progress::begin(self.planned(runs, missing), self.show.clone());
         progress.keep_drawing();
         let finished = |label| progress.finished(label);
-        let end = search(what, evaluations, until, &finished, |evaluations| {
+        let end = search(what, self.file, evaluations, until, &finished, |evaluations| {
             results.remove_ends();
             results.write_evaluations(evaluations)?;
             progress.point(|| search_line(what, evaluations), || json!({}));
-            Ok::<(), CommandError>(())
+            Ok(())
         });
         progress.close();
         end
@@ -181,18 +175,9 @@ impl Optimize<'_> {
     }
 }
 
-/// Returns the limits that the nearest design does not meet, unless a design meets all limits.
-fn unmet(what: &Search, evaluations: &[Evaluation], finalists: &Finalists) -> Option<Vec<String>> {
-    let is_best_met = finalists.of(FinalistRole::Best).is_some_and(|best| best.met);
-    if is_best_met || finalists.all.iter().any(|finalist| finalist.on_front == Some(true)) {
-        return None;
-    }
-    Some(nearest_unmet(what.study, what.optimization, evaluations, finalists))
-}
-
-fn failed_runs(evaluations: &[Evaluation], finalists: &Finalists) -> u64 {
+fn failed_runs(evaluations: &[Evaluation], finalists: &[Finalist]) -> u64 {
     let of_search = evaluations.iter().flat_map(|evaluation| &evaluation.answers);
-    let of_finals = finalists.all.iter().flat_map(|finalist| &finalist.answers);
+    let of_finals = finalists.iter().flat_map(|finalist| &finalist.answers);
     of_search.chain(of_finals).map(|answer| answer.counts.of(Label::Failed)).sum()
 }
 

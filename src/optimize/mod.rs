@@ -31,19 +31,11 @@ mod sobol_indices;
 mod space;
 mod suggest;
 mod surrogate;
-mod tables;
 
-pub use evaluations::{
-    DesignOrigin, Evaluation, evaluation_columns, read_evaluations, search_facts,
-};
-pub use finalists::{Finalist, FinalistRole, Finalists, final_runs, finalists};
-pub use goal::{Goal, ResponseOverPoints, pareto_front};
+pub use evaluations::{Evaluation, read_evaluations};
+pub use finalists::FinalistRole;
+pub use goal::{Goal, pareto_front};
 pub use into_directory::{Optimize, Optimized};
-pub use notes::{ReachedBound, bounds_in_words, notes, on_bounds, use_of_balls};
-pub use report::{nearest_unmet, optimum_json, result_in_words, search_line, unmet_limits};
-pub use search::{Search, SearchEnd, search};
-pub use sensitivity::{QuantitySurrogate, Sensitivity, sensitivities, surrogates};
-pub use sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
+pub use sobol_indices::{pick_freeze_sample, sobol_indices};
 pub(crate) use space::Space;
 pub use surrogate::Surrogate;
-pub use tables::{finalist_columns, pareto_columns, sensitivity_columns};

@@ -2,7 +2,7 @@
 
 use super::finalists::Finalist;
 use crate::analysis::Estimate;
-use crate::study::{DesignValue, Study, Values};
+use crate::study::{DesignValue, Study, Values, Variable};
 
 /// Distance to a bound, as a fraction of the range, within which a value lies on the bound.
 const ON_BOUND: f64 = 1e-3;
@@ -10,10 +10,9 @@ const ON_BOUND: f64 = 1e-3;
 const ALMOST_NO_EFFECT: f64 = 0.95;
 
 /// A bound of the range of a variable.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReachedBound {
-    /// Name of the variable.
-    pub variable: String,
+pub struct ReachedBound<'a> {
+    /// The variable.
+    pub variable: &'a Variable,
     /// `lower` or `upper`.
     pub which: &'static str,
     /// The range.
@@ -21,8 +20,8 @@ pub struct ReachedBound {
 }
 
 /// Returns the bounds on which the values of a design lie.
-pub fn on_bounds(study: &Study, values: &[DesignValue]) -> Vec<ReachedBound> {
-    let bound = |(variable, value): (&crate::study::Variable, &DesignValue)| {
+pub fn on_bounds<'a>(study: &'a Study, values: &[DesignValue]) -> Vec<ReachedBound<'a>> {
+    let bound = |(variable, value): (&'a Variable, &DesignValue)| {
         let range = match variable.values() {
             Values::Numbers(from, to) => [from, to],
             Values::Whole(from, to) => [from as f64, to as f64],
@@ -39,7 +38,7 @@ pub fn on_bounds(study: &Study, values: &[DesignValue]) -> Vec<ReachedBound> {
         };
         // A machine has no fewer balls than one.
         let least = matches!(variable.values(), Values::Whole(1, _)) && which == "lower";
-        (!least).then(|| ReachedBound { variable: variable.name().to_owned(), which, range })
+        (!least).then_some(ReachedBound { variable, which, range })
     };
     study.variables().iter().zip(values).filter_map(bound).collect()
 }
@@ -52,23 +51,22 @@ pub fn notes(study: &Study, best: &Finalist) -> Vec<String> {
 }
 
 /// Returns a sentence for each value of a design that lies on a bound of its range.
-pub fn bounds_in_words(study: &Study, values: &[DesignValue]) -> Vec<String> {
+fn bounds_in_words(study: &Study, values: &[DesignValue]) -> Vec<String> {
     let sentence = |ReachedBound { variable, which, range }: ReachedBound| {
-        let of_name = study.variables().iter().find(|candidate| candidate.name() == variable)?;
-        let (name, unit) = of_name.name_and_unit();
-        let [from, to] = range.map(|end| of_name.describe(DesignValue::Number(end)));
+        let (name, unit) = variable.name_and_unit();
+        let [from, to] = range.map(|end| variable.describe(DesignValue::Number(end)));
         let range = format!("{from} to {to} {unit}");
-        Some(format!(
+        format!(
             "`{name}` lies on the {which} bound of its range ({}); a wider range may contain a better design.",
             range.trim_end()
-        ))
+        )
     };
-    on_bounds(study, values).into_iter().filter_map(sentence).collect()
+    on_bounds(study, values).into_iter().map(sentence).collect()
 }
 
 /// Returns a sentence if the mean amplitudes at the points of the sweep, divided by those without balls, show that the
 /// balls increase the amplitude at some point, or do not show that they decrease it.
-pub fn use_of_balls(relative_amplitudes: &[Estimate]) -> Option<String> {
+fn use_of_balls(relative_amplitudes: &[Estimate]) -> Option<String> {
     let several = relative_amplitudes.len() > 1;
     let worst = |of: &dyn Fn(&Estimate) -> Option<f64>| {
         let known = relative_amplitudes.iter().filter_map(|ratio| Some((of(ratio)?, ratio)));
@@ -132,7 +130,7 @@ fn percent(fraction: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{ReachedBound, on_bounds, use_of_balls};
+    use super::{on_bounds, use_of_balls};
     use crate::analysis::Estimate;
     use crate::optimize::space::study_with_four_variables;
     use crate::study::DesignValue;
@@ -144,15 +142,15 @@ mod tests {
             let numbers = [speed, balls, 900.0].map(DesignValue::Number);
             let mut values = numbers.to_vec();
             values.push(DesignValue::Choice(0));
-            on_bounds(&study, &values)
+            let bounds = on_bounds(&study, &values).into_iter();
+            bounds
+                .map(|bound| (bound.variable.name(), bound.which, bound.range))
+                .collect::<Vec<_>>()
         };
         assert_eq!(found(-258.0, 2.0), []);
-        let range = [-260.0, -140.0];
-        let speed = |which| ReachedBound { variable: "speed_rad_s".to_owned(), which, range };
-        let balls =
-            ReachedBound { variable: "balls".to_owned(), which: "upper", range: [1.0, 3.0] };
+        let speed = |which| ("speed_rad_s", which, [-260.0, -140.0]);
         assert_eq!(found(-259.95, 1.0), [speed("lower")]);
-        assert_eq!(found(-140.0, 3.0), [speed("upper"), balls]);
+        assert_eq!(found(-140.0, 3.0), [speed("upper"), ("balls", "upper", [1.0, 3.0])]);
     }
 
     #[test]

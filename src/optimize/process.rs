@@ -62,6 +62,15 @@ impl QuantityScale {
     }
 }
 
+/// A quantity of all designs of a search, on its own scale.
+pub(super) struct ScaledQuantity {
+    pub scale: QuantityScale,
+    /// One value per design.
+    pub values: Vec<f64>,
+    /// Typical variance of the noise of a value.
+    pub noise: f64,
+}
+
 /// Least noise relative to the variance of the process, which keeps matrices regular.
 const LEAST_NOISE: f64 = 1e-8;
 /// Noise variances that a fit tries, relative to the largest possible one. The least one keeps a group of very similar

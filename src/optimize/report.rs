@@ -5,8 +5,8 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::evaluations::Evaluation;
-use super::finalists::{Finalist, FinalistRole, Finalists};
-use super::goal::Goal;
+use super::finalists::{Finalist, FinalistRole, of_role};
+use super::goal::{Goal, best, values};
 use super::notes::{notes, on_bounds};
 use super::search::{Search, SearchEnd};
 use super::sensitivity::Sensitivity;
@@ -14,75 +14,62 @@ use crate::analysis::{Estimate, estimate_difference, estimate_ratio};
 use crate::numbers::{four_digits, trimmed};
 use crate::printed_table::text_table;
 use crate::responses::design_json;
-use crate::study::{DesignValue, Limit, Optimization, Study, Unit};
+use crate::study::{DesignValue, Limit, Objective, Response, Study, Unit};
 
 /// Returns the contents of `optimum.json`.
 pub fn optimum_json(
     search: &Search,
-    end: &SearchEnd,
+    end: SearchEnd,
     evaluations: &[Evaluation],
-    finalists: &Finalists,
+    finalists: &[Finalist],
     sensitivities: &[Sensitivity],
 ) -> Value {
-    let Search { study, optimization, .. } = *search;
-    let goal = Goal::new(study, optimization);
-    let of_role = |role| finalists.of(role).map(|finalist| final_json(study, &goal, finalist));
-    let compared = || {
-        let (best, other) =
-            (finalists.of(FinalistRole::Best)?, finalists.of(FinalistRole::CompareWith)?);
-        let of = |(quantity, objective): &(usize, crate::study::Objective)| {
-            let (best, other) = (best.estimates.get(*quantity)?, other.estimates.get(*quantity)?);
-            Some(json!({
-                "response": study.responses().get(objective.response)?.name,
-                "difference": estimate_difference(best, other, 0.0),
-                "ratio": estimate_ratio(best, other),
-            }))
+    let study = search.study;
+    let finals = |role| of_role(finalists, role).map(|finalist| final_json(search, finalist));
+    let compared = compared(search, finalists).map(|objectives| {
+        let json = |(response, [difference, ratio]): &(&Response, [Estimate; 2])| {
+            json!({"response": response.name, "difference": difference, "ratio": ratio})
         };
-        Some(goal.objectives.iter().filter_map(of).collect::<Vec<Value>>())
-    };
+        objectives.iter().map(json).collect::<Vec<Value>>()
+    });
     json!({
         "study": study.name(),
         "study_hash": study.hash(),
         "search": {
-            "ended": match end {
-                SearchEnd::Finished => "all requested designs have been evaluated",
-                SearchEnd::NoMoreDesigns => "all possible designs have been evaluated",
-                SearchEnd::Stopped => "stopped",
-                SearchEnd::Constant(_) => "an objective is constant",
-            },
+            "ended": end.in_words(),
             "designs": evaluations.len(),
         },
-        "best": of_role(FinalistRole::Best),
-        "compare_with": of_role(FinalistRole::CompareWith),
-        "best_over_compare_with": compared(),
-        "notes": finalists.of(FinalistRole::Best).map_or_else(Vec::new, |best| notes(study, best)),
-        "sensitivities": sensitivities.iter().map(sensitivity_json).collect::<Vec<_>>(),
+        "best": finals(FinalistRole::Best),
+        "compare_with": finals(FinalistRole::CompareWith),
+        "best_over_compare_with": compared,
+        "notes": best_notes(study, finalists),
+        "sensitivities": sensitivities,
     })
 }
 
-fn sensitivity_json(sensitivity: &Sensitivity) -> Value {
-    let indices = sensitivity.indices.as_ref();
-    let [first, total] = [
-        indices.map(|both| (both.first_order, both.first_order_interval)),
-        indices.map(|both| (both.total, both.total_interval)),
-    ];
-    let json = |index: Option<(f64, Option<[f64; 2]>)>| {
-        index.map(|(value, interval)| {
-            let [low, high] = [0, 1].map(|end| interval.map(|ends| ends[end]));
-            json!({"value": value, "low": low, "high": high})
-        })
+/// Returns the notes on the best design; empty if there is none.
+fn best_notes(study: &Study, finalists: &[Finalist]) -> Vec<String> {
+    of_role(finalists, FinalistRole::Best).map_or_else(Vec::new, |best| notes(study, best))
+}
+
+/// Returns difference and ratio of the best design and the reference for each objective; `None` without one of these designs.
+fn compared<'a>(
+    search: &Search<'a>,
+    finalists: &[Finalist],
+) -> Option<Vec<(&'a Response, [Estimate; 2])>> {
+    let [best, other] =
+        [FinalistRole::Best, FinalistRole::CompareWith].map(|role| of_role(finalists, role));
+    let (best, other, study) = (best?, other?, search.study);
+    let of = |(quantity, objective): &(usize, Objective)| {
+        let (best, other) = (best.estimates.get(*quantity)?, other.estimates.get(*quantity)?);
+        let both = [estimate_difference(best, other, 0.0), estimate_ratio(best, other)];
+        Some((study.responses().get(objective.response)?, both))
     };
-    json!({
-        "response": sensitivity.response,
-        "variable": sensitivity.variable,
-        "source": sensitivity.from.name(),
-        "first_order": json(first),
-        "total": json(total),
-        "reason": sensitivity.reason,
-    })
+    Some(search.goal.objectives.iter().filter_map(of).collect())
 }
 
-fn final_json(study: &Study, goal: &Goal, finalist: &Finalist) -> Value {
+fn final_json(search: &Search, finalist: &Finalist) -> Value {
+    let Search { study, ref goal, .. } = *search;
     let estimates = goal.quantities.iter().zip(&finalist.estimates);
     let responses: serde_json::Map<String, Value> = estimates
         .filter_map(|(quantity, estimate)| {
@@ -97,7 +84,7 @@ fn final_json(study: &Study, goal: &Goal, finalist: &Finalist) -> Value {
         "relative_amplitudes": finalist.relative_amplitudes,
         "on_bounds": on_bounds(study, &finalist.values)
             .into_iter()
-            .map(|bound| json!({"variable": bound.variable, "bound": bound.which}))
+            .map(|bound| json!({"variable": bound.variable.name(), "bound": bound.which}))
             .collect::<Vec<_>>(),
         "limits_met": finalist.met,
         "unmet_limits": unmet_limits(study, goal, &finalist.estimates),
@@ -118,8 +105,7 @@ fn design_in_words(study: &Study, values: &[DesignValue]) -> String {
 
 /// Returns the progress line about the last design of a search.
 pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
-    let Search { study, optimization, .. } = *search;
-    let goal = Goal::new(study, optimization);
+    let Search { study, optimization, ref goal, .. } = *search;
     let Some(last) = evaluations.last() else { return String::new() };
     let number = evaluations.len();
     let mut line = format!(
@@ -128,22 +114,18 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
         number - 1,
         last.origin.name()
     );
-    let estimates = estimates_in_words(study, &goal, &goal.estimates(&last.answers));
+    let estimates = estimates_in_words(search, &goal.estimates(&last.answers));
     line += &estimates.iter().map(|words| words.join(" ")).collect::<Vec<_>>().join(", ");
     if goal.objectives.len() == 1 {
         let all = goal.values_of_designs(evaluations);
-        let best = super::finalists::best(all.iter().map(|values| goal.rank(values)));
+        let best = best(all.iter().map(|values| goal.rank(values)));
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
-            let value = goal.objectives.first().and_then(|(quantity, _)| all[index][*quantity]);
-            let unit =
-                |index: usize| study.responses().get(index).map_or("1", |response| response.unit());
-            let unit =
-                goal.objectives.first().map_or("1", |(_, objective)| unit(objective.response));
-            let value = value.map_or_else(
-                || "no value".to_owned(),
-                |value| value_in_words(value, &study.units().of_response(unit)),
-            );
+            let (quantity, objective) = goal.objectives[0];
+            let response = study.responses().get(objective.response);
+            let unit = study.units().of_response(response.map_or("1", Response::unit));
+            let value = all[index][quantity]
+                .map_or_else(|| "no value".to_owned(), |value| value_in_words(value, &unit));
             let what = if grade == 0 { "best so far" } else { "limits not met yet; nearest" };
             // Writing to a string cannot fail.
             let _ = write!(line, "; {what}: {value} (design {index})");
@@ -153,7 +135,8 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
 }
 
 /// Returns the names of the responses of the goal's quantities, and their estimates in words.
-fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Vec<[String; 2]> {
+fn estimates_in_words(search: &Search, estimates: &[Estimate]) -> Vec<[String; 2]> {
+    let Search { study, ref goal, .. } = *search;
     let each = goal.quantities.iter().zip(estimates).filter_map(|(quantity, estimate)| {
         let response = study.responses().get(quantity.response)?;
         let unit = study.units().of_response(response.unit());
@@ -163,15 +146,14 @@ fn estimates_in_words(study: &Study, goal: &Goal, estimates: &[Estimate]) -> Vec
 }
 
 /// Returns the result as text.
-pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
-    let Search { study, optimization, .. } = *search;
-    let goal = Goal::new(study, optimization);
+pub fn result_in_words(search: &Search, finalists: &[Finalist]) -> String {
+    let study = search.study;
     let mut text = String::new();
     let mut describe = |title: &str, finalist: &Finalist| {
         let number =
             finalist.design.map_or_else(String::new, |design| format!(" (design {design})"));
         let _ = writeln!(text, "{title}{number}: {}", design_in_words(study, &finalist.values));
-        let rows = estimates_in_words(study, &goal, &finalist.estimates).into_iter();
+        let rows = estimates_in_words(search, &finalist.estimates).into_iter();
         let rows = rows.map(|[name, estimate]| vec![format!("  {name}"), estimate]);
         text += &text_table(&rows.collect::<Vec<_>>(), &[0, 1]);
         let failed = match finalist.failed_runs() {
@@ -179,7 +161,7 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             failed => format!(", {failed} of them failed"),
         };
         let _ = writeln!(text, "  {} further runs{failed}", finalist.runs());
-        for limit in unmet_limits(study, &goal, &finalist.estimates) {
+        for limit in unmet_limits(study, &search.goal, &finalist.estimates) {
             let _ = writeln!(text, "  a limit is not met: {limit}");
         }
         if let Some((least, most)) = range(&finalist.relative_amplitudes) {
@@ -187,64 +169,50 @@ pub fn result_in_words(search: &Search, finalists: &Finalists) -> String {
             let _ = writeln!(text, "  mean amplitude divided by that without balls: {range}");
         }
     };
-    if let Some(best) = finalists.of(FinalistRole::Best) {
+    if let Some(best) = of_role(finalists, FinalistRole::Best) {
         describe("best design", best);
     }
-    for finalist in finalists.all.iter().filter(|finalist| finalist.on_front == Some(true)) {
+    for finalist in finalists.iter().filter(|finalist| finalist.on_front == Some(true)) {
         describe("on the Pareto front", finalist);
     }
-    if let Some(other) = finalists.of(FinalistRole::CompareWith) {
+    if let Some(other) = of_role(finalists, FinalistRole::CompareWith) {
         describe("compared with", other);
     }
-    if let Some((best, other)) =
-        finalists.of(FinalistRole::Best).zip(finalists.of(FinalistRole::CompareWith))
-    {
-        for (quantity, objective) in &goal.objectives {
-            let both = best.estimates.get(*quantity).zip(other.estimates.get(*quantity));
-            let response = study.responses().get(objective.response);
-            if let Some(((best, other), response)) = both.zip(response) {
-                let unit = study.units().of_response(response.unit());
-                let difference = estimate_in_words(&estimate_difference(best, other, 0.0), &unit);
-                let ratio = estimate_in_words(
-                    &estimate_ratio(best, other),
-                    &study.units().of_response("1"),
-                );
-                let _ = writeln!(text, "{}: difference {difference}", response.name);
-                let _ = writeln!(text, "{}: ratio {ratio}", response.name);
-            }
-        }
+    for (response, [difference, ratio]) in compared(search, finalists).into_iter().flatten() {
+        let [unit, plain] = [response.unit(), "1"].map(|unit| study.units().of_response(unit));
+        let (difference, ratio) =
+            (estimate_in_words(&difference, &unit), estimate_in_words(&ratio, &plain));
+        let _ = writeln!(text, "{}: difference {difference}", response.name);
+        let _ = writeln!(text, "{}: ratio {ratio}", response.name);
     }
-    if let Some(best) = finalists.of(FinalistRole::Best) {
-        for note in notes(study, best) {
-            let _ = writeln!(text, "note: {note}");
-        }
+    for note in best_notes(study, finalists) {
+        let _ = writeln!(text, "note: {note}");
     }
     text
 }
 
-/// Returns the limits that the best design does not meet. If there are no final runs, it is the design of the search
-/// that is nearest to the limits.
-pub fn nearest_unmet(
-    study: &Study,
-    optimization: &Optimization,
+/// Returns the limits that the best design does not meet, unless a design meets all limits. If there are no final runs, it is
+/// the design of the search that is nearest to the limits.
+pub fn unmet(
+    search: &Search,
     evaluations: &[Evaluation],
-    finalists: &Finalists,
-) -> Vec<String> {
-    let goal = Goal::new(study, optimization);
-    let rank = |estimates: &[Estimate]| {
-        let values: Vec<Option<f64>> = estimates.iter().map(|estimate| estimate.value).collect();
-        goal.rank(&values)
-    };
-    let found = finalists.all.iter().filter(|finalist| finalist.role != FinalistRole::CompareWith);
+    finalists: &[Finalist],
+) -> Option<Vec<String>> {
+    let Search { study, ref goal, .. } = *search;
+    let is_best_met = of_role(finalists, FinalistRole::Best).is_some_and(|best| best.met);
+    if is_best_met || finalists.iter().any(|finalist| finalist.on_front == Some(true)) {
+        return None;
+    }
+    let found = finalists.iter().filter(|finalist| finalist.role != FinalistRole::CompareWith);
     let found =
         found.filter(|finalist| finalist.role == FinalistRole::Best || finalist.on_front.is_some());
     let mut all: Vec<Vec<Estimate>> = found.map(|finalist| finalist.estimates.clone()).collect();
     if all.is_empty() {
         all = evaluations.iter().map(|evaluation| goal.estimates(&evaluation.answers)).collect();
     }
-    let nearest = super::finalists::best(all.iter().map(|estimates| rank(estimates)));
+    let nearest = best(all.iter().map(|estimates| goal.rank(&values(estimates))));
     let nearest = nearest.and_then(|index| all.get(index));
-    nearest.map_or_else(Vec::new, |estimates| unmet_limits(study, &goal, estimates))
+    Some(nearest.map_or_else(Vec::new, |estimates| unmet_limits(study, goal, estimates)))
 }
 
 /// Returns the smallest and the largest known value.

@@ -1,13 +1,14 @@
 //! The search: space-filling designs, then batches of designs that surrogates propose.
 
 use std::borrow::Cow;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::evaluations::Evaluation;
 use super::goal::Goal;
 use super::next_designs::{Fits, NextDesign, batch, start_designs};
 use crate::classification::Label;
-use crate::engine::WorkerPool;
+use crate::engine::{CommandError, WorkerPool};
 use crate::responses::{DesignToEvaluate, respond_in_order};
 use crate::study::{Optimization, Study};
 
@@ -15,8 +16,10 @@ use crate::study::{Optimization, Study};
 pub struct Search<'a> {
     /// The study.
     pub study: &'a Study,
-    /// The goal of the search.
+    /// Its objectives, limits and effort.
     pub optimization: &'a Optimization,
+    /// Objectives and limits as numbers.
+    pub goal: Goal,
     /// The workers that compute the runs.
     pub workers: &'a WorkerPool,
     /// Stops the search when it becomes true.
@@ -24,47 +27,60 @@ pub struct Search<'a> {
 }
 
 /// How a search ended.
-#[derive(Clone, Debug, Eq, PartialEq)]
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum SearchEnd {
     /// All requested designs have been evaluated.
     Finished,
     /// There are no designs that have not been evaluated.
     NoMoreDesigns,
-    /// The search was stopped; complete evaluations are saved.
-    Stopped,
-    /// An objective has the same value, or none, for all designs of the start; holds the error message.
-    Constant(String),
+}
+
+impl SearchEnd {
+    /// Returns the end in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            SearchEnd::Finished => "all requested designs have been evaluated",
+            SearchEnd::NoMoreDesigns => "all possible designs have been evaluated",
+        }
+    }
 }
 
 /// Continues a search up to a number of designs; `evaluations` holds the earlier evaluations. Calls `observe` after each
-/// new evaluation with all of them, and `finished` for each run.
+/// new evaluation with all of them, and `finished` for each run. Returns `None` if the search was stopped; complete
+/// evaluations are then saved.
 ///
 /// # Errors
-/// Returns the errors of `observe`.
-pub fn search<E>(
+/// Returns the errors of `observe`, and an error, with the name `file` of the study, if an objective has the same value, or
+/// none, for all designs of the start.
+pub fn search(
     search: &Search,
+    file: &Path,
     evaluations: &mut Vec<Evaluation>,
     until: u64,
     finished: &(dyn Fn(Label) + Sync),
-    mut observe: impl FnMut(&[Evaluation]) -> Result<(), E>,
-) -> Result<SearchEnd, E> {
-    let Search { study, optimization, workers, stop } = *search;
-    let goal = Goal::new(study, optimization);
+    mut observe: impl FnMut(&[Evaluation]) -> Result<(), CommandError>,
+) -> Result<Option<SearchEnd>, CommandError> {
+    let Search { study, optimization, workers, stop, .. } = *search;
     let mut fits = Fits::default();
     while (evaluations.len() as u64) < until {
         if evaluations.len() as u64 == optimization.start_designs
-            && let Some(problem) = constant(study, &goal, evaluations)
+            && let Some(problem) = constant(study, &search.goal, evaluations)
         {
-            return Ok(SearchEnd::Constant(problem));
+            let file = file.display();
+            let allowed =
+                "an objective that has a value for these designs and depends on the design";
+            return Err(CommandError::Usage(format!(
+                "{file}: `optimize`: {problem}\n  allowed: {allowed}"
+            )));
         }
         if stop.load(Ordering::Relaxed) {
-            return Ok(SearchEnd::Stopped);
+            return Ok(None);
         }
         let Some(next) = next_designs(search, evaluations, until, &mut fits) else {
-            return Ok(SearchEnd::Stopped);
+            return Ok(None);
         };
         if next.is_empty() {
-            return Ok(SearchEnd::NoMoreDesigns);
+            return Ok(Some(SearchEnd::NoMoreDesigns));
         }
         let first = evaluations.len() as u64;
         let designs = (first..).zip(&next).map(|(number, next)| {
@@ -82,10 +98,10 @@ pub fn search<E>(
         };
         let complete = respond_in_order(workers, study.responses(), designs, stop, finished, add)?;
         if !complete {
-            return Ok(SearchEnd::Stopped);
+            return Ok(None);
         }
     }
-    Ok(SearchEnd::Finished)
+    Ok(Some(SearchEnd::Finished))
 }
 
 /// Returns the designs to evaluate next, at most up to number `until`, and none if there are no others. Returns `None`
@@ -96,7 +112,7 @@ fn next_designs(
     until: u64,
     fits: &mut Fits,
 ) -> Option<Vec<NextDesign>> {
-    let Search { study, optimization, workers, stop } = *search;
+    let Search { study, optimization, workers, stop, .. } = *search;
     let start = optimization.start_designs.min(until);
     if (evaluations.len() as u64) < start {
         return Some(start_designs(study, optimization, evaluations, start));

@@ -4,11 +4,11 @@ use std::borrow::Cow;
 use std::convert::Infallible;
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::evaluations::Evaluation;
-use super::goal::Goal;
 use super::search::Search;
-use super::sobol_indices::{Indices, pick_freeze_sample, sobol_indices};
+use super::sobol_indices::{SobolIndex, pick_freeze_sample, sobol_indices};
 use super::space::Space;
 use super::suggest::{TrainingValues, training_values};
 use super::surrogate::Surrogate;
@@ -18,18 +18,21 @@ use crate::responses::{Answer, DesignToEvaluate, respond_in_order};
 use crate::study::{DesignValue, SensitivityFrom};
 
 /// The indices of a variable for a response; one row of `sensitivities.parquet`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The response's name.
     pub response: String,
     /// The variable's name.
     pub variable: String,
-    /// Source of the responses.
-    pub from: SensitivityFrom,
+    /// Name of the source of the responses.
+    pub source: &'static str,
     /// Base samples.
+    #[serde(skip)]
     pub samples: u64,
-    /// The indices, if they exist.
-    pub indices: Option<Indices>,
+    /// The fraction of the variance that the variable alone explains, if it is known.
+    pub first_order: Option<SobolIndex>,
+    /// The fraction of the variance that remains if all other variables are known, if it is known.
+    pub total: Option<SobolIndex>,
     /// Why indices or intervals are missing.
     pub reason: Option<String>,
 }
@@ -45,8 +48,8 @@ pub fn sensitivities(
     surrogates: &[QuantitySurrogate],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Sensitivity>> {
-    let Search { study, optimization, workers, .. } = *search;
-    let (space, goal) = (Space::new(study), Goal::new(study, optimization));
+    let Search { study, optimization, ref goal, workers, .. } = *search;
+    let space = Space::new(study);
     let variables = study.variables();
     // The study file bounds both numbers.
     let count = |number: u64| u32::try_from(number).unwrap_or(u32::MAX);
@@ -66,7 +69,7 @@ pub fn sensitivities(
             };
             workers.install(|| surrogates.par_iter().map(predict).collect())
         }
-        SensitivityFrom::Runs => from_runs(search, &goal, &designs, finished)?,
+        SensitivityFrom::Runs => from_runs(search, &designs, finished)?,
     };
     let (bootstrap_seed, no_interval) = match optimization.sensitivity_from {
         SensitivityFrom::Surrogates => (None, Some(SURROGATE.to_owned())),
@@ -77,17 +80,18 @@ pub fn sensitivities(
         let indices =
             values.and_then(|values| sobol_indices(&values, variables.len(), bootstrap_seed));
         for (index, variable) in variables.iter().enumerate() {
-            let of_variable = indices.as_ref().map(|all| all.get(index).copied());
+            let of_variable = indices.as_ref().ok().and_then(|all| all.get(index));
             rows.push(Sensitivity {
                 response: study
                     .responses()
                     .get(quantity.response)
                     .map_or_else(String::new, |response| response.name.clone()),
                 variable: variable.name().to_owned(),
-                from: optimization.sensitivity_from,
+                source: optimization.sensitivity_from.name(),
                 samples: optimization.sensitivity_samples,
-                indices: of_variable.ok().flatten(),
-                reason: of_variable.err().cloned().or_else(|| no_interval.clone()),
+                first_order: of_variable.map(|indices| indices.first_order),
+                total: of_variable.map(|indices| indices.total),
+                reason: indices.as_ref().err().cloned().or_else(|| no_interval.clone()),
             });
         }
     }
@@ -99,8 +103,8 @@ pub type QuantitySurrogate = (usize, Result<Surrogate, String>);
 
 /// Returns a surrogate for each quantity of the goal; `None` if the search was stopped.
 pub fn surrogates(search: &Search, evaluations: &[Evaluation]) -> Option<Vec<QuantitySurrogate>> {
-    let Search { study, optimization, workers, stop } = *search;
-    let (space, goal) = (Space::new(study), Goal::new(study, optimization));
+    let Search { study, workers, stop, .. } = *search;
+    let (space, goal) = (Space::new(study), search.goal.clone());
     let estimates: Vec<Vec<Estimate>> =
         evaluations.iter().map(|evaluation| goal.estimates(&evaluation.answers)).collect();
     let coordinates: Vec<Vec<f64>> =
@@ -122,11 +126,10 @@ pub fn surrogates(search: &Search, evaluations: &[Evaluation]) -> Option<Vec<Qua
 
 fn from_runs(
     search: &Search,
-    goal: &Goal,
     designs: &[Vec<DesignValue>],
     finished: &(dyn Fn(Label) + Sync),
 ) -> Option<Vec<Result<Vec<f64>, String>>> {
-    let Search { study, workers, stop, .. } = *search;
+    let Search { study, ref goal, workers, stop, .. } = *search;
     // A design that is inconsistent has no values.
     let consistent = (0..).zip(designs).filter_map(|(number, values)| {
         let plans = vec![Cow::Owned(study.set(values).ok()?)];

@@ -9,21 +9,29 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
 
 /// Bootstrap samples.
 const RESAMPLES: usize = 1000;
 
-/// Indices of a variable, with 95 % intervals if the values come from runs.
+/// An index of a variable, with its 95 % interval if the values come from runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SobolIndex {
+    /// The index.
+    pub value: f64,
+    /// Lower end of its interval.
+    pub low: Option<f64>,
+    /// Upper end of its interval.
+    pub high: Option<f64>,
+}
+
+/// Indices of a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Indices {
     /// The fraction of the variance that the variable alone explains.
-    pub first_order: f64,
-    /// Interval of `first_order`.
-    pub first_order_interval: Option<[f64; 2]>,
+    pub first_order: SobolIndex,
     /// The fraction of the variance that remains if all other variables are known.
-    pub total: f64,
-    /// Interval of `total`.
-    pub total_interval: Option<[f64; 2]>,
+    pub total: SobolIndex,
 }
 
 /// Returns the points of the pick-freeze design in the unit cube: `A`, `B`, then `A` with each variable from `B` in
@@ -72,7 +80,7 @@ pub fn sobol_indices(
     }
     let resamples = bootstrap_seed.map(|seed| resamples(samples, seed));
     let estimate = |variable: usize| {
-        let [first_order, total] = of(variable, &all).unwrap_or_default();
+        let values = of(variable, &all).unwrap_or_default();
         let of_resamples: Option<Vec<[f64; 2]>> = resamples
             .as_ref()
             .map(|all| all.iter().filter_map(|chosen| of(variable, chosen)).collect());
@@ -84,14 +92,13 @@ pub fn sobol_indices(
                 let rank = (fraction * ascending.len().saturating_sub(1) as f64).round() as usize;
                 ascending.get(rank).copied()
             };
-            Some([at(0.025)?, at(0.975)?])
+            Some((at(0.025)?, at(0.975)?))
         };
-        Indices {
-            first_order,
-            first_order_interval: interval(0),
-            total,
-            total_interval: interval(1),
-        }
+        let [first_order, total] = [0, 1].map(|which| {
+            let (low, high) = interval(which).unzip();
+            SobolIndex { value: values[which], low, high }
+        });
+        Indices { first_order, total }
     };
     Ok((0..variables).map(estimate).collect())
 }

@@ -42,8 +42,9 @@ impl<'a> Space<'a> {
     /// Returns the designs that differ from a design in one variable: numbers by a fraction of their range up and down,
     /// whole numbers by one, choices by any other choice.
     pub fn neighbours(&self, design: &[DesignValue], fraction: f64) -> Vec<Vec<DesignValue>> {
-        let others = |(index, variable): (usize, &Variable)| -> Vec<DesignValue> {
-            match (variable.values(), design.get(index)) {
+        let with = |(index, variable): (usize, &'a Variable)| {
+            let here = design.get(index).copied();
+            let others: Vec<DesignValue> = match (variable.values(), here) {
                 (values @ Values::Numbers(from, to), Some(DesignValue::Number(number))) => {
                     let place = (number - from) / (to - from);
                     [place - fraction, place + fraction].map(|place| value_at(values, place)).into()
@@ -54,12 +55,8 @@ impl<'a> Space<'a> {
                     .into(),
                 (Values::Choices(choices), _) => (0..choices).map(DesignValue::Choice).collect(),
                 _ => Vec::new(),
-            }
-        };
-        let with = |(index, variable): (usize, &'a Variable)| {
-            let here = design.get(index).copied();
-            let others =
-                others((index, variable)).into_iter().filter(move |value| Some(*value) != here);
+            };
+            let others = others.into_iter().filter(move |value| Some(*value) != here);
             others.map(move |value| {
                 let mut other = design.to_vec();
                 other[index] = value;

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::criterion::{Criterion, Prediction};
 use super::evaluations::Evaluation;
-use super::goal::Goal;
-use super::process::{Hyperparameters, Interpolation, QuantityScale};
+use super::goal::{Goal, by_rank};
+use super::process::{Hyperparameters, Interpolation, QuantityScale, ScaledQuantity};
 use super::proposal::{DesignValues, by_criterion};
 use super::space::Space;
 use super::surrogate::table;
@@ -50,8 +50,7 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 pub(super) struct TrainingData {
     /// One row per design.
     coordinates: Array2<f64>,
-    /// Scale, scaled values and typical variance of the noise of each quantity.
-    quantities: Vec<(QuantityScale, Vec<f64>, f64)>,
+    quantities: Vec<ScaledQuantity>,
 }
 
 impl TrainingData {
@@ -68,7 +67,7 @@ impl TrainingData {
             });
             let error = median(errors.filter(|error| error.is_finite()).collect());
             let values = values.into_iter().map(|value| scale.scaled(value)).collect();
-            Some((scale, values, error * error))
+            Some(ScaledQuantity { scale, values, noise: error * error })
         };
         let quantities: Option<Vec<_>> = (0..goal.quantities.len()).map(quantity).collect();
         let rows: Vec<Vec<f64>> =
@@ -79,11 +78,18 @@ impl TrainingData {
     /// Fits the hyperparameters of all quantities, starting from those of a fit to fewer designs; `None` if the library
     /// cannot fit them.
     pub fn fit(&self, before: Option<&[Hyperparameters]>) -> Option<Vec<Hyperparameters>> {
-        let fit = |(index, (_, values, noise)): (usize, &(QuantityScale, Vec<f64>, f64))| {
+        let fit = |(index, ScaledQuantity { values, noise, .. }): (usize, &ScaledQuantity)| {
             let before = before.and_then(|all| all.get(index));
             Hyperparameters::fit(&self.coordinates, values, *noise, before)
         };
         self.quantities.par_iter().enumerate().map(fit).collect()
+    }
+
+    fn interpolations(&self, hyperparameters: &[Hyperparameters]) -> Option<Vec<Interpolation>> {
+        let process = |(quantity, parameters): (&ScaledQuantity, &Hyperparameters)| {
+            Interpolation::new(&self.coordinates, &quantity.values, parameters)
+        };
+        self.quantities.par_iter().zip(hyperparameters).map(process).collect()
     }
 }
 
@@ -92,15 +98,11 @@ pub(super) struct Proposer<'a> {
     space: &'a Space<'a>,
     goal: &'a Goal,
     hyperparameters: &'a [Hyperparameters],
-    scales: Vec<QuantityScale>,
-    /// Typical standard error of each quantity.
-    errors: Vec<f64>,
     /// Proposals are not as near as this to other designs, as a fraction of the range of each number.
     least_distance: f64,
     designs: Vec<DesignValues>,
-    coordinates: Array2<f64>,
-    /// Values without noise, by quantity.
-    values: Vec<Vec<f64>>,
+    /// The designs with values without noise.
+    data: TrainingData,
     processes: Vec<Interpolation>,
 }
 
@@ -114,49 +116,36 @@ impl<'a> Proposer<'a> {
         space: &'a Space<'a>,
         goal: &'a Goal,
         hyperparameters: &'a [Hyperparameters],
-        data: TrainingData,
+        mut data: TrainingData,
         designs: Vec<DesignValues>,
         least_distance: f64,
     ) -> Option<Proposer<'a>> {
-        let TrainingData { coordinates, quantities } = data;
-        let smoothed = |((_, values, _), parameters): (&(_, Vec<f64>, _), &Hyperparameters)| {
-            parameters.smooth(&coordinates, values).unwrap_or_else(|| values.clone())
-        };
-        let values: Vec<Vec<f64>> = quantities.iter().zip(hyperparameters).map(smoothed).collect();
-        let scales = quantities.iter().map(|(scale, _, _)| *scale).collect();
-        let errors = quantities.iter().map(|(_, _, noise)| noise.sqrt()).collect();
-        let processes = interpolations(&coordinates, &values, hyperparameters)?;
-        Some(Proposer {
-            space,
-            goal,
-            hyperparameters,
-            scales,
-            errors,
-            least_distance,
-            designs,
-            coordinates,
-            values,
-            processes,
-        })
+        for (quantity, parameters) in data.quantities.iter_mut().zip(hyperparameters) {
+            let smoothed = parameters.smooth(&data.coordinates, &quantity.values);
+            quantity.values = smoothed.unwrap_or_else(|| quantity.values.clone());
+        }
+        let processes = data.interpolations(hyperparameters)?;
+        Some(Proposer { space, goal, hyperparameters, least_distance, designs, data, processes })
     }
 
     /// Adds a design with its predictions as values, so that a proposal lies elsewhere (kriging believer; D. Ginsbourger,
     /// R. Le Riche, L. Carraro, 2010, doi:10.1007/978-3-642-10701-6_6).
     pub fn believe(&mut self, design: &DesignValues) -> Option<()> {
         let row = table(&[self.space.coordinates(design)]).ok()?;
-        for (values, process) in self.values.iter_mut().zip(&self.processes) {
+        for (quantity, process) in self.data.quantities.iter_mut().zip(&self.processes) {
             let [(mean, _)] = process.predict(&row.view())?[..] else { return None };
-            values.push(mean);
+            quantity.values.push(mean);
         }
-        self.coordinates.append(Axis(0), row.view()).ok()?;
+        self.data.coordinates.append(Axis(0), row.view()).ok()?;
         self.designs.push(design.clone());
-        self.processes = interpolations(&self.coordinates, &self.values, self.hyperparameters)?;
+        self.processes = self.data.interpolations(self.hyperparameters)?;
         Some(())
     }
 
     /// Returns designs by decreasing criterion.
     pub fn propose(&self, seed: u32) -> Vec<DesignValues> {
-        let criterion = Criterion::new(self.goal, &self.scales, &self.values, &self.errors);
+        let quantities = &self.data.quantities;
+        let criterion = Criterion::new(self.goal, quantities);
         let of_some = |designs: &[DesignValues]| self.values_of_criterion(&criterion, designs);
         let of_all = |designs: &[DesignValues]| -> Vec<f64> {
             designs.par_chunks(AT_A_TIME).flat_map_iter(of_some).collect()
@@ -164,15 +153,11 @@ impl<'a> Proposer<'a> {
         // Designs interpolate their own values, so that their criterion tells which ones are best.
         let mut order: Vec<usize> = (0..self.designs.len()).collect();
         let rank = |index: &usize| {
-            let values = self.scales.iter().zip(&self.values);
             let raw =
-                values.map(|(scale, all)| Some(scale.raw(*all.get(*index)?))).collect::<Vec<_>>();
-            self.goal.rank(&raw)
+                |quantity: &ScaledQuantity| Some(quantity.scale.raw(*quantity.values.get(*index)?));
+            self.goal.rank(&quantities.iter().map(raw).collect::<Vec<_>>())
         };
-        order.sort_by(|left, right| {
-            let (left, right) = (rank(left), rank(right));
-            left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
-        });
+        order.sort_by(|left, right| by_rank(rank(left), rank(right)));
         let near: Vec<DesignValues> = order
             .into_iter()
             .take(NEAR)
@@ -203,13 +188,4 @@ impl<'a> Proposer<'a> {
         };
         designs.iter().enumerate().map(of).collect()
     }
-}
-
-fn interpolations(
-    coordinates: &Array2<f64>,
-    values: &[Vec<f64>],
-    hyperparameters: &[Hyperparameters],
-) -> Option<Vec<Interpolation>> {
-    let both = values.par_iter().zip(hyperparameters);
-    both.map(|(values, parameters)| Interpolation::new(coordinates, values, parameters)).collect()
 }

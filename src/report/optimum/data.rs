@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::analysis::Estimate;
 use crate::engine::CommandError;
-use crate::optimize::{Evaluation, Goal, read_evaluations};
+use crate::optimize::{Evaluation, FinalistRole, Goal, read_evaluations};
 use crate::study::{Optimization, Study, Unit, Variable};
 use crate::table::{FILES, FileList, Row, Table, TableError};
 
@@ -23,25 +23,12 @@ pub struct OptimumData {
     pub evaluations: Vec<Evaluation>,
     /// `optimum.json`; `None` before the search has ended.
     pub optimum: Option<Value>,
-    /// The responses of the final runs, point by point.
-    pub finalists: Vec<DesignFacts>,
+    /// The number of each point, and the responses of the final runs of the best design there.
+    pub best: Vec<(u64, Vec<Estimate>)>,
     /// With two objectives: the designs of the search's Pareto front, with their final runs.
     pub front: Vec<FrontDesign>,
     /// Sobol' indices.
     pub sensitivities: Vec<SensitivityFacts>,
-}
-
-/// The responses of a design's final runs at a point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DesignFacts {
-    /// The role of the design: `best`, `compare_with`, `finalist` or `pareto`.
-    pub role: String,
-    /// Number of the design in the search.
-    pub design: Option<u64>,
-    /// Number of the point.
-    pub point_id: u64,
-    /// One estimate per response of the study.
-    pub estimates: Vec<Estimate>,
 }
 
 /// A design of the Pareto front.
@@ -107,7 +94,7 @@ impl OptimumData {
             goal,
             evaluations,
             optimum,
-            finalists: Vec::new(),
+            best: Vec::new(),
             front: Vec::new(),
             sensitivities: Vec::new(),
         };
@@ -118,7 +105,7 @@ impl OptimumData {
                 false => Ok(None),
             };
             if let Some(table) = open("finalists")? {
-                data.finalists = data.read_finalists(&table)?;
+                data.best = data.read_best(&table)?;
             }
             if let Some(table) = open("pareto")? {
                 data.front = data.read_front(&table)?;
@@ -155,19 +142,17 @@ impl OptimumData {
         self.optimum.as_ref().and_then(|optimum| optimum.get(role)).filter(|json| json.is_object())
     }
 
-    fn read_finalists(&self, table: &Table) -> Result<Vec<DesignFacts>, TableError> {
-        let facts = |row: &Row<'_>| DesignFacts {
-            role: row.text("role").unwrap_or_default(),
-            design: row.count("design"),
-            point_id: row.count("point_id").unwrap_or(0),
-            estimates: self
-                .study
-                .responses()
-                .iter()
-                .map(|response| row.estimate(&response.name))
-                .collect(),
-        };
-        table.read_rows(facts)?.collect()
+    fn read_best(&self, table: &Table) -> Result<Vec<(u64, Vec<Estimate>)>, TableError> {
+        let mut best = Vec::new();
+        table.for_each(|row| {
+            let (role, point_id) = (row.text("role"), row.count("point_id").unwrap_or(0));
+            let responses = self.study.responses().iter();
+            let estimates = responses.map(|response| row.estimate(&response.name)).collect();
+            if role.as_deref() == Some(FinalistRole::Best.name()) {
+                best.push((point_id, estimates));
+            }
+        })?;
+        Ok(best)
     }
 
     fn read_front(&self, table: &Table) -> Result<Vec<FrontDesign>, TableError> {

@@ -3,10 +3,9 @@
 use serde_json::Value;
 
 use super::data::OptimumData;
-use crate::analysis::{Estimate, Measure};
+use crate::analysis::Measure;
 use crate::numbers::counted;
-use crate::optimize::{bounds_in_words, use_of_balls};
-use crate::study::{AmplitudeKind, DesignValue, Variable};
+use crate::study::AmplitudeKind;
 
 /// Returns sentences about the best design; empty if nothing is remarkable.
 pub fn notes(data: &OptimumData) -> Vec<String> {
@@ -21,14 +20,9 @@ pub fn notes(data: &OptimumData) -> Vec<String> {
             if unmet.is_empty() { String::new() } else { format!(": {}", unmet.join("; ")) };
         notes.push(format!("The best design does not meet all limits in its final runs{unmet}."));
     }
-    if let Some(best) = data.design("best") {
-        let value = |variable: &Variable| {
-            let number = best["values"][variable.name()].as_f64();
-            number.map_or(DesignValue::Choice(0), DesignValue::Number)
-        };
-        let values: Vec<DesignValue> = data.study.variables().iter().map(value).collect();
-        notes.extend(bounds_in_words(&data.study, &values));
-    }
+    let of_best = data.optimum.as_ref().and_then(|optimum| optimum["notes"].as_array());
+    let of_best = of_best.into_iter().flatten().filter_map(Value::as_str);
+    notes.extend(of_best.map(str::to_owned));
     notes.extend(compared_with_no_balls(data));
     notes
 }
@@ -51,9 +45,7 @@ fn unfinished(data: &OptimumData) -> String {
 
 /// Says whether the amplitudes of the best design, relative to those without balls, show no improvement at some point.
 fn compared_with_no_balls(data: &OptimumData) -> Vec<String> {
-    let means = data.design("best").and_then(|best| best["relative_amplitudes"].as_array());
-    let means: Vec<Estimate> = means.into_iter().flatten().map(estimate).collect();
-    let mut notes = Vec::from_iter(use_of_balls(&means));
+    let mut notes = Vec::new();
     let several = data.study.point_count() > 1;
     for (index, response) in data.study.responses().iter().enumerate() {
         // An amplitude is no better from 1 on. A probability of more than that amplitude is no better from 1/2 on.
@@ -64,10 +56,10 @@ fn compared_with_no_balls(data: &OptimumData) -> Vec<String> {
             Measure::Above(1.0) => (0.5, "probability of a larger amplitude"),
             _ => continue,
         };
-        for row in data.finalists.iter().filter(|row| row.role == "best") {
-            let Some(estimate) = row.estimates.get(index) else { continue };
+        for (point_id, estimates) in &data.best {
+            let Some(estimate) = estimates.get(index) else { continue };
             let Some(value) = estimate.value else { continue };
-            let place = if several { format!(" at point {}", row.point_id) } else { String::new() };
+            let place = if several { format!(" at point {point_id}") } else { String::new() };
             let interval = match (estimate.low, estimate.high) {
                 (Some(low), Some(high)) => format!(" ({low:.3} to {high:.3})"),
                 _ => String::new(),
@@ -86,10 +78,4 @@ fn compared_with_no_balls(data: &OptimumData) -> Vec<String> {
         }
     }
     notes
-}
-
-/// Reads an estimate of `optimum.json`.
-fn estimate(json: &Value) -> Estimate {
-    let [value, low, high] = ["value", "low", "high"].map(|key| json[key].as_f64());
-    Estimate { value, low, high, ..Estimate::default() }
 }
