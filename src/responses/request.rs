@@ -60,6 +60,7 @@ impl Request {
 }
 
 /// The entries of a JSON object, also those with the same name, which a map would lose.
+#[derive(Default)]
 struct RequestEntries(Vec<(String, Value)>);
 
 impl RequestEntries {
@@ -68,23 +69,24 @@ impl RequestEntries {
     }
 }
 
+impl<'de> Visitor<'de> for RequestEntries {
+    type Value = Self;
+
+    fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("names and values")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(mut self, mut map: A) -> Result<Self, A::Error> {
+        while let Some(entry) = map.next_entry()? {
+            self.0.push(entry);
+        }
+        Ok(self)
+    }
+}
+
 impl<'de> Deserialize<'de> for RequestEntries {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct EntriesVisitor;
-        impl<'de> Visitor<'de> for EntriesVisitor {
-            type Value = RequestEntries;
-
-            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("names and values")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RequestEntries, A::Error> {
-                std::iter::from_fn(|| map.next_entry().transpose())
-                    .collect::<Result<_, _>>()
-                    .map(RequestEntries)
-            }
-        }
-        deserializer.deserialize_map(EntriesVisitor)
+        deserializer.deserialize_map(RequestEntries::default())
     }
 }
 
