@@ -226,9 +226,9 @@ pub enum Mark {
         /// Left, right, lower and upper edge of each.
         #[serde(serialize_with = "packed::edges")]
         edges: Vec<[f64; 4]>,
-        /// The values; `None` leaves a cell open.
-        #[serde(serialize_with = "packed::known_numbers")]
-        values: Vec<Option<f64>>,
+        /// The values; NaN leaves a cell open.
+        #[serde(serialize_with = "packed::numbers")]
+        values: Vec<f64>,
         /// Data of each cell.
         tooltips: Tooltips,
     },
@@ -307,6 +307,14 @@ impl Layer {
             Mark::Dots { x, .. } => x.len(),
             _ => 0,
         }
+    }
+}
+
+impl Mark {
+    /// Returns dots at these places.
+    pub fn dots(symbol: Symbol, places: &[[f64; 2]], tooltips: Tooltips) -> Self {
+        let [x, y] = [0, 1].map(|axis| places.iter().map(|place| place[axis]).collect());
+        Mark::Dots { symbol, x, y, tooltips }
     }
 }
 

@@ -23,12 +23,6 @@ pub fn numbers<S: Serializer>(values: &[f64], out: S) -> Result<S::Ok, S::Error>
     json!({"f": BASE64.encode(bytes)}).serialize(out)
 }
 
-/// Serializes numbers; some of them may be missing.
-pub fn known_numbers<S: Serializer>(values: &[Option<f64>], out: S) -> Result<S::Ok, S::Error> {
-    let values: Vec<f64> = values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-    numbers(&values, out)
-}
-
 /// Serializes the edges of rectangles as one flat list.
 pub fn edges<S: Serializer>(edges: &[[f64; 4]], out: S) -> Result<S::Ok, S::Error> {
     numbers(edges.as_flattened(), out)

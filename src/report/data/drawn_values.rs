@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{PointFacts, scattered};
 use crate::analysis::{RankCorrelation, rank_correlation};
+use crate::classification::Label;
 use crate::study::Study;
 use crate::table::{Table, TableError};
 
@@ -24,8 +25,8 @@ pub struct DrawnValues {
 pub struct DrawnRuns {
     /// Numbers of the runs.
     pub run_id: Vec<u64>,
-    /// Indices of their labels in [`crate::classification::Label::ALL`].
-    pub label: Vec<u8>,
+    /// Their labels.
+    pub label: Vec<Label>,
     /// Amplitude at the end, m.
     pub amplitude_m: Vec<f64>,
     /// Time to rest, s; infinite for runs that did not come to rest.
@@ -77,7 +78,7 @@ pub fn read(
             return;
         }
         runs.run_id.push(run_id);
-        runs.label.push(label as u8);
+        runs.label.push(label);
         runs.amplitude_m.push(amplitude_m);
         runs.time_to_rest_s.push(time_to_rest_s.unwrap_or(f64::INFINITY));
         for ((column, value), parameter) in runs.values.iter_mut().zip(values).zip(parameters) {

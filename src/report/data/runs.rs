@@ -33,8 +33,8 @@ pub struct RunSample {
     pub run_id: Vec<u64>,
     /// Numbers of their points.
     pub point_id: Vec<u64>,
-    /// Indices of their labels in [`Label::ALL`].
-    pub label: Vec<u8>,
+    /// Their labels.
+    pub label: Vec<Label>,
     /// Amplitude of the table at the end, m; NaN if the run has none.
     pub amplitude_m: Vec<f64>,
     /// Friction margin at rest; NaN while moving.
@@ -136,7 +136,7 @@ pub fn read(
         if scattered(run_id, one_in) {
             sample.run_id.push(run_id);
             sample.point_id.push(point_id);
-            sample.label.push(label as u8);
+            sample.label.push(label);
             let RunSample { amplitude_m, friction_margin, time_to_rest_s, position, start, .. } =
                 &mut sample;
             let columns = [amplitude_m, friction_margin, time_to_rest_s].into_iter();

@@ -32,8 +32,9 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     layers.push(Layer::new("speed", Colour::Faint, Mark::Line { points, dashed: true }));
     let critical: Vec<f64> = diagram.critical_rad_s.iter().map(|speed| unit.of(*speed)).collect();
     let tooltips = Tooltips::numbers([("critical speed", critical.clone())]);
-    let (symbol, x, y) = (Symbol::Diamond, critical.clone(), critical.clone());
-    layers.push(Layer::new("critical speed", Colour::Ink, Mark::Dots { symbol, x, y, tooltips }));
+    let places: Vec<[f64; 2]> = critical.iter().map(|speed| [*speed; 2]).collect();
+    let dots = Mark::dots(Symbol::Diamond, &places, tooltips);
+    layers.push(Layer::new("critical speed", Colour::Ink, dots));
     let of_point = match data.point_count {
         1 => String::new(),
         _ => format!(" This is the diagram of {}.", fastest.title),

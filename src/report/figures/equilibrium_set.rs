@@ -101,29 +101,22 @@ fn frictionless(machine: &Machine, unit: &Unit) -> Option<Vec<Layer>> {
     let identical = groups_of_identical(&machine.balls).len() == 1;
     let layer = |name: &str, symbol, stable: bool| {
         let of_kind = found.iter().filter(|state| (state.stability == Stability::Stable) == stable);
-        let places: Vec<(&FrictionlessEquilibrium, [f64; 2])> = of_kind
-            .flat_map(|state| {
-                let beta = state.beta_rad.as_deref().unwrap_or_default();
-                let here = <[f64; 2]>::try_from(beta).ok();
-                let there =
-                    here.map(|[a, b]| [b, a]).filter(|there| identical && here != Some(*there));
-                [here, there].into_iter().flatten().map(move |place| (state, place))
-            })
-            .collect();
-        let words = places.iter().map(|(state, _)| state.kind.name().to_owned()).collect();
-        let amplitudes = places.iter().map(|(state, _)| unit.of(state.amplitude_m())).collect();
+        let found = of_kind.flat_map(|state| {
+            let beta = state.beta_rad.as_deref().unwrap_or_default();
+            let here = <[f64; 2]>::try_from(beta).ok();
+            let there = here.map(|[a, b]| [b, a]).filter(|there| identical && here != Some(*there));
+            [here, there].into_iter().flatten().map(move |place| (state, place))
+        });
+        let (states, places): (Vec<&FrictionlessEquilibrium>, Vec<[f64; 2]>) = found.unzip();
+        let words = states.iter().map(|state| state.kind.name().to_owned()).collect();
+        let amplitudes = states.iter().map(|state| unit.of(state.amplitude_m())).collect();
         let column = |name: &str, values| TooltipColumn { name: name.to_owned(), values };
         let columns = vec![
             column("kind", TooltipValues::Words(words)),
             column(&format!("amplitude [{}]", unit.symbol), TooltipValues::Numbers(amplitudes)),
         ];
-        let mark = Mark::Dots {
-            symbol,
-            x: places.iter().map(|(_, place)| place[0]).collect(),
-            y: places.iter().map(|(_, place)| place[1]).collect(),
-            tooltips: Tooltips { run_ids: Vec::new(), columns },
-        };
-        Layer::new(name, Colour::Series(1), mark)
+        let tooltips = Tooltips { run_ids: Vec::new(), columns };
+        Layer::new(name, Colour::Series(1), Mark::dots(symbol, &places, tooltips))
     };
     Some(vec![
         layer("stable without friction", Symbol::Star, true),

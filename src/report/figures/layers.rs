@@ -113,20 +113,20 @@ pub fn run_dots(
 
 /// Returns dots of runs at these places of a sample, a layer for each label; the sample has numbers and labels of runs.
 pub fn dots_by_label(
-    (run_id, labels): (&[u64], &[u8]),
+    (run_id, labels): (&[u64], &[Label]),
     coordinates: (&[f64], &[f64]),
     places: &[usize],
     symbol: fn(Label) -> Symbol,
 ) -> Vec<Layer> {
-    let layer = |(index, label): (u8, Label)| {
-        let is = |place: &usize| labels.get(*place) == Some(&index);
+    let layer = |label: Label| {
+        let is = |place: &usize| labels.get(*place) == Some(&label);
         let runs: Vec<usize> = places.iter().copied().filter(is).collect();
         let run_ids = runs.iter().filter_map(|place| run_id.get(*place).copied()).collect();
         let tooltips = Tooltips { run_ids, ..Tooltips::default() };
         let look = (&*label_words(label), Colour::Label(label), symbol(label));
         (!runs.is_empty()).then(|| run_dots(look, coordinates, &runs, tooltips))
     };
-    (0..).zip(Label::ALL).filter_map(layer).collect()
+    Label::ALL.into_iter().filter_map(layer).collect()
 }
 
 /// Half the distance between two bars at one abscissa, and the width of each.
@@ -165,11 +165,8 @@ pub fn of_points<'a>(points: impl Iterator<Item = &'a PointFacts>) -> TooltipNum
 /// Returns the places of the runs of a point, with the given label if any.
 pub fn places(runs: &RunSample, point_id: u64, label: Option<Label>) -> Vec<usize> {
     let of_point = runs.point_id.iter().enumerate().filter(|(_, id)| **id == point_id);
-    let is = |place: usize| {
-        let found = runs.label.get(place).and_then(|&label| Label::ALL.get(usize::from(label)));
-        label.is_none() || found.copied() == label
-    };
-    of_point.map(|(place, _)| place).filter(|&place| is(place)).collect()
+    let is = |place: &usize| label.is_none() || runs.label.get(*place).copied() == label;
+    of_point.map(|(place, _)| place).filter(is).collect()
 }
 
 /// The largest number of curves in one panel.

@@ -106,8 +106,8 @@ fn plane(
     };
     let mut panels = Vec::new();
     for (name, value, range) in SHOWN {
-        let values: Vec<Option<f64>> = points.iter().map(|(point, ..)| value(point)).collect();
-        let known = || values.iter().flatten().copied().filter(|value| value.is_finite());
+        let values: Vec<f64> = column(&value);
+        let known = || values.iter().copied().filter(|value| value.is_finite());
         let (least, most) = (known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max));
         if known().next().is_none() {
             continue;
@@ -115,7 +115,7 @@ fn plane(
         let tooltips = Tooltips::numbers([
             (&*label(across), points.iter().map(|(_, x, _)| *x).collect()),
             (&*label(up), points.iter().map(|(_, _, y)| *y).collect()),
-            (name, column(&value)),
+            (name, values.clone()),
             ("runs", column(&|point| Some(point.runs as f64))),
             ("failed runs", column(&|point| Some(point.label(Label::Failed).runs as f64))),
             ("point", column(&|point| Some(point.point_id as f64))),

@@ -91,9 +91,7 @@ pub(super) fn design_dots(
         let of_look = designs.iter().filter(|design| design.met == (name == MET));
         let known = of_look.filter_map(|design| Some((design, place(design)?)));
         let (shown, places): (Vec<&EvaluatedDesign<'_>>, Vec<[f64; 2]>) = known.unzip();
-        let [x, y] = [0, 1].map(|axis| places.iter().map(|place| place[axis]).collect());
-        let tooltips = design_tooltips(data, &shown, numbers);
-        let mark = Mark::Dots { symbol, x, y, tooltips };
+        let mark = Mark::dots(symbol, &places, design_tooltips(data, &shown, numbers));
         (!shown.is_empty()).then(|| Layer::new(name, colour, mark))
     };
     looks.into_iter().filter_map(layer).collect()

@@ -9,7 +9,7 @@ use crate::numbers::significant;
 use crate::report::chart::{
     Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis, axis_of_names,
 };
-use crate::report::figures::{BARS, bars};
+use crate::report::figures::{BARS, PlottedEstimate, bars};
 use crate::study::{Objective, Variable};
 
 /// Returns all figures of a search, in reading order.
@@ -109,30 +109,18 @@ fn front(data: &OptimumData) -> Option<Figure> {
     let finals = data.front.iter().filter_map(|point| match &point.objectives[..] {
         [x, y] => {
             let scaled = |value: Option<f64>| value.map_or(f64::NAN, |value| y_factor * value);
-            let ends = [scaled(y.low), scaled(y.high)];
-            Some((point, [x_factor * x.value?, y_factor * y.value?], ends))
+            let (low, high) = (scaled(y.low), scaled(y.high));
+            let (x, value) = (x_factor * x.value?, y_factor * y.value?);
+            let design = point.design.map_or(f64::NAN, |number| number as f64);
+            Some((design, PlottedEstimate { x, value, low, high }))
         }
         _ => None,
     });
-    let finals: Vec<_> = finals.collect();
+    let (numbers, finals): (Vec<f64>, Vec<PlottedEstimate>) = finals.unzip();
     if !finals.is_empty() {
-        let name = "Pareto front, final runs";
-        let column = |pick: fn([f64; 2], [f64; 2]) -> f64| -> Vec<f64> {
-            finals.iter().map(|shown| pick(shown.1, shown.2)).collect()
-        };
-        let x = column(|place, _| place[0]);
-        let tooltips = Tooltips::numbers([(
-            "design",
-            finals.iter().map(|(point, ..)| point.design.map_or(f64::NAN, |n| n as f64)).collect(),
-        )]);
-        let intervals = Mark::Intervals {
-            x: x.clone(),
-            low: column(|_, ends| ends[0]),
-            high: column(|_, ends| ends[1]),
-        };
-        let dots =
-            Mark::Dots { symbol: Symbol::Diamond, x, y: column(|place, _| place[1]), tooltips };
-        layers.extend([intervals, dots].map(|mark| Layer::new(name, Colour::Series(1), mark)));
+        let look = ("Pareto front, final runs", Colour::Series(1), Symbol::Diamond);
+        let tooltips = Tooltips::numbers([("design", numbers)]);
+        layers.extend(PlottedEstimate::layers(look, None, &finals, tooltips));
     }
     if layers.is_empty() {
         return None;

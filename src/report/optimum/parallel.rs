@@ -3,9 +3,7 @@
 use super::data::OptimumData;
 use super::designs::{EvaluatedDesign, MET, NOT_MET, design_tooltips, evaluated, objective_axis};
 use crate::numbers::trimmed;
-use crate::report::chart::{
-    Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis,
-};
+use crate::report::chart::{Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, axis};
 use crate::study::Variable;
 
 /// The values of one axis, one for each design, and the name of the axis with its ends.
@@ -76,10 +74,10 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
             // A point that is not finite ends the line of a design.
             points.push([f64::NAN; 2]);
         }
-        let tooltips: Tooltips = design_tooltips(data, &of, true);
-        let [x, y] = [0, 1].map(|part| dots.iter().map(|dot: &[f64; 2]| dot[part]).collect());
-        layers.push(Layer::new(name, colour, Mark::Line { points, dashed: false }));
-        layers.push(Layer::new(name, colour, Mark::Dots { symbol: Symbol::Dot, x, y, tooltips }));
+        let dots = Mark::dots(Symbol::Dot, &dots, design_tooltips(data, &of, true));
+        layers.extend(
+            [Mark::Line { points, dashed: false }, dots].map(|mark| Layer::new(name, colour, mark)),
+        );
     }
     let uprights = (0..axes.len()).flat_map(|x| {
         let x = x as f64;
