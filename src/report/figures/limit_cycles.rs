@@ -1,7 +1,7 @@
 //! Figure: limit cycles over a swept parameter, one branch per class.
 
 use super::layers::PlottedEstimate;
-use super::sweep_axis::{SweepAxis, SweepGroup};
+use super::sweep_axis::{OverSweep, SweepGroup};
 use crate::report::chart::{Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis};
 use crate::report::data::{CycleFacts, QUANTITIES, ReportData};
 use crate::study::Unit;
@@ -23,18 +23,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let all = classes.len();
     classes.sort_by_key(|(_, runs)| std::cmp::Reverse(*runs));
     classes.truncate(MOST_CLASSES);
-    let axes = SweepAxis::all(data, 2);
-    let groups = axes.first().map(|sweep| (sweep.axis.clone(), sweep.groups(data)));
-    let (x, groups) = match groups {
-        Some(found) => found,
-        None => {
-            let named: Vec<_> = data.details().collect();
-            let x = data.axis_of_points(&named);
-            let points = named.into_iter().enumerate();
-            let points = points.map(|(place, point)| (place as f64, point)).collect();
-            (x, vec![SweepGroup { title: String::new(), points }])
-        }
-    };
+    let OverSweep { x, groups, .. } = OverSweep::all(data);
     let mut panels = Vec::new();
     for group in groups.iter().take(data.budget.details) {
         for (place, (name, si, _)) in QUANTITIES.iter().enumerate() {

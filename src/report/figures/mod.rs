@@ -1,12 +1,10 @@
 //! The figures of a report, as data that the page's script draws.
 //!
-//! Read `layers` and `sweep_axis` first: what figures share, and the swept parameters as axes. `over_sweep` makes panels of
-//! values over them, which `fractions` and `vibration` fill. Each other file is one figure or its background, and
-//! [`of_results`] lists all of them in reading order.
+//! Read `layers` and `sweep_axis` first: what figures share, and the swept parameters as axes with panels over them. Each
+//! other file has one or two figures or their background, and [`of_results`] lists all of them in reading order.
 
 mod basins;
 mod campbell;
-mod diagnostics;
 mod drawn;
 mod equilibrium_set;
 mod exceedance;
@@ -14,17 +12,15 @@ mod fractions;
 mod layers;
 mod limit_cycles;
 mod map;
-mod over_sweep;
 mod overlap;
 mod preferred;
-mod residual_imbalance;
 mod run_up;
 mod sweep_axis;
 mod time_to_rest;
 mod vibration;
 
 pub use drawn::shown_parameters;
-pub use layers::{BARS, bars};
+pub use layers::{BARS, PlottedEstimate, bars};
 
 use super::chart::Figure;
 use super::data::ReportData;
@@ -48,7 +44,7 @@ pub fn of_results(data: &ReportData<'_>) -> Vec<Figure> {
         basins::figure(data),
         limit_cycles::figure(data),
         campbell::figure(data),
-        diagnostics::figure(data),
+        fractions::diagnostics(data),
     ];
     figures.into_iter().flatten().collect()
 }

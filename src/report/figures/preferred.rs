@@ -1,12 +1,16 @@
-//! Figure: the preferred equilibria, where balls come to rest, over the equilibrium set.
+//! Figure: the preferred equilibria, where balls come to rest, over the equilibrium set; with three or more balls the imbalance
+//! that remains there, as a vector in the frame of the disc.
 
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
 use super::equilibrium_set::{SetLayers, angle_axis, set_layers};
 use super::layers::{label_words, places, run_dots, run_tooltips};
-use super::{overlap, residual_imbalance};
+use super::overlap;
+use crate::analysis::residual_imbalance_vector;
 use crate::classification::Label;
-use crate::report::chart::{Axis, Colour, Figure, Layer, Panel, Symbol, axis};
+use crate::model::Machine;
+use crate::report::chart::{Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis};
 use crate::report::data::{PointFacts, ReportData};
 
 /// Plots a panel for each point: angles of one or two balls, and the residual imbalance with three or more balls.
@@ -19,7 +23,7 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
             0 | 1 => vec![one_contact(data, point)],
             2 => vec![pair(data, point)],
             _ => {
-                let panel = residual_imbalance::panel(data, point).into_iter();
+                let panel = residual_imbalance(data, point).into_iter();
                 panel.map(|panel| Panel { title: counted(data, point), ..panel }).collect()
             }
         })
@@ -130,4 +134,53 @@ fn one_contact(data: &ReportData<'_>, point: &PointFacts) -> Panel {
     let mut layer = dots(data, point, place, over);
     layer.colour = Colour::Label(Label::Equilibrium);
     Panel { title: counted(data, point), ..Panel::new(x, y, vec![layer]) }
+}
+
+/// Points of the circle of the imbalance without balls.
+const CIRCLE: usize = 72;
+
+/// Returns the panel of a point with three or more balls; `None` if the study lacks the point.
+fn residual_imbalance(data: &ReportData<'_>, point: &PointFacts) -> Option<Panel> {
+    let known =
+        (point.point_id < data.study.point_count()).then(|| data.study.point(point.point_id))?;
+    let machine = known.model().ball_balancer()?;
+    let unit = data.study.units().imbalance();
+    let vectors: Vec<[f64; 2]> =
+        vectors(data, machine).into_iter().map(|at| at.map(|part| unit.of(part))).collect();
+    let [x, y] = [0, 1].map(|axis| vectors.iter().map(|vector| vector[axis]).collect::<Vec<f64>>());
+    let imbalance = unit.of(machine.imbalance_mass_kg * machine.imbalance_radius_m);
+    let of_circle = |step: usize| {
+        let (sin, cos) = (TAU * step as f64 / CIRCLE as f64).sin_cos();
+        [imbalance * cos, imbalance * sin]
+    };
+    let circle = Mark::Line { points: (0..=CIRCLE).map(of_circle).collect(), dashed: true };
+    let balanced = Mark::dots(Symbol::Star, &[[0.0; 2]], Tooltips::default());
+    let rests = dots(data, point, &x, &y);
+    let runs = places(&data.runs, point.point_id, Some(Label::Equilibrium));
+    let reached = runs.iter().filter_map(|&place| vectors.get(place)).flatten();
+    let most = reached.fold(imbalance, |most, part| most.max(part.abs()));
+    let range = (most > 0.0).then_some([-1.1 * most, 1.1 * most]);
+    let plane = |name: &str| Axis { range, ..axis(name, &unit.symbol) };
+    let layers = vec![
+        Layer::new("as large as without balls", Colour::Faint, circle),
+        rests,
+        Layer::new("balanced", Colour::Series(0), balanced),
+    ];
+    let (x, y) = (plane("parallel to the imbalance"), plane("perpendicular to it"));
+    Some(Panel::new(x, y, layers))
+}
+
+/// Returns the residual imbalance of each run of the sample, kg m; not a number for a run without positions.
+fn vectors(data: &ReportData<'_>, machine: &Machine) -> Vec<[f64; 2]> {
+    let positions = &data.runs.position;
+    let vector = |place: usize| {
+        let beta: Vec<f64> = (0..machine.balls.len())
+            .map(|ball| {
+                positions.get(ball).and_then(|all| all.get(place)).copied().unwrap_or(f64::NAN)
+            })
+            .collect();
+        let residual = residual_imbalance_vector(machine, &beta);
+        [residual.re, residual.im]
+    };
+    (0..data.runs.run_id.len()).map(vector).collect()
 }

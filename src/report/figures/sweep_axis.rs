@@ -1,6 +1,7 @@
-//! Swept parameters as axes, and the points grouped along them.
+//! Swept parameters as axes, the points grouped along them, and panels of values of points over them, or over the points if no
+//! number is swept.
 
-use crate::report::chart::{Axis, AxisKind};
+use crate::report::chart::{Axis, AxisKind, Layer, Panel};
 use crate::report::data::{PointFacts, ReportData, axis_of, heading};
 use crate::study::{ParameterValue, Study};
 
@@ -95,5 +96,78 @@ impl SweepAxis {
             only.title.clear();
         }
         groups
+    }
+}
+
+/// The panels of points over a parameter, one for each combination of the other parameters.
+pub struct OverSweep<'a> {
+    /// The parameter; empty if the panels are over the points.
+    pub parameter: String,
+    /// Sentences on what is not shown; empty if everything is.
+    pub left_out: String,
+    /// The abscissa.
+    pub x: Axis,
+    /// The points of each panel with their abscissas.
+    pub groups: Vec<SweepGroup<'a>>,
+}
+
+impl<'a> OverSweep<'a> {
+    /// Chooses the parameter with the most values, and shows all its points.
+    pub fn all(data: &'a ReportData<'_>) -> Self {
+        match SweepAxis::all(data, 2).into_iter().next() {
+            Some(sweep) => OverSweep {
+                parameter: sweep.axis.name.clone(),
+                left_out: String::new(),
+                groups: sweep.groups(data),
+                x: sweep.axis,
+            },
+            None => {
+                let named: Vec<&PointFacts> = data.details().collect();
+                let x = data.axis_of_points(&named);
+                let points = (0..).map(f64::from).zip(named).collect();
+                let groups = vec![SweepGroup { title: String::new(), points }];
+                OverSweep { parameter: String::new(), left_out: data.left_out(), x, groups }
+            }
+        }
+    }
+
+    /// Thins out the points so that `values` values of each stay within the budget.
+    pub fn new(data: &'a ReportData<'_>, values: usize) -> Self {
+        let mut all = Self::all(data);
+        if all.parameter.is_empty() {
+            return all;
+        }
+        let groups = &mut all.groups;
+        // The groups with the most points come first.
+        groups.sort_by_key(|group| std::cmp::Reverse(group.points.len()));
+        let more = groups.len().saturating_sub(data.budget.details);
+        groups.truncate(data.budget.details);
+        let each = data.budget.points / values.max(1) / groups.len().max(1);
+        let mut most_left_out = 1;
+        for SweepGroup { points, .. } in groups {
+            let one_in = points.len().div_ceil(each.max(1)).max(1);
+            most_left_out = most_left_out.max(one_in);
+            *points = points.iter().copied().step_by(one_in).collect();
+        }
+        if more > 0 {
+            all.left_out = format!(" {more} other combinations of parameters are not shown.");
+        }
+        if most_left_out > 1 {
+            all.left_out += &format!(" Every {most_left_out}th point is shown.");
+        }
+        all
+    }
+
+    /// Returns one panel per combination of the other parameters, with the layers of its points.
+    pub fn panels(
+        &self,
+        y: &Axis,
+        layers: impl Fn(&[(f64, &'a PointFacts)]) -> Vec<Layer>,
+    ) -> Vec<Panel> {
+        let panel = |SweepGroup { title, points }: &SweepGroup<'a>| Panel {
+            title: title.clone(),
+            ..Panel::new(self.x.clone(), y.clone(), layers(points))
+        };
+        self.groups.iter().map(panel).collect()
     }
 }

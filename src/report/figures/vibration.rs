@@ -1,8 +1,7 @@
 //! Figure: the residual vibration of each point, and the vibration without balls.
 
 use super::layers::{fraction_axis, of_points};
-use super::over_sweep::OverSweep;
-use super::sweep_axis::is_by_decades;
+use super::sweep_axis::{OverSweep, is_by_decades};
 use crate::numbers::significant;
 use crate::report::chart::{
     Axis, AxisKind, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis,
@@ -27,12 +26,12 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         line((WORSE, Colour::Series(1), Symbol::Disc, false), points, worse_fraction)
     };
     let has_worse = data.points.iter().any(|point| worse_fraction(point).is_some());
-    let mut panels = sweep.panels(data, &amplitudes, amplitude);
+    let mut panels = sweep.panels(&amplitudes, amplitude);
     if has_worse {
         let name = |part: &str, panels: Vec<Panel>| {
             panels.into_iter().map(|panel| Panel { part: part.to_owned(), ..panel }).collect()
         };
-        let fractions = sweep.panels(data, &fraction_axis("fraction of runs"), fraction);
+        let fractions = sweep.panels(&fraction_axis("fraction of runs"), fraction);
         let fractions: Vec<Panel> = name(WORSE, fractions);
         panels = name("amplitude", panels);
         panels.extend(fractions);
@@ -128,10 +127,8 @@ fn line(
     if points.is_empty() {
         return Vec::new();
     }
-    let [x, y] = [0, 1].map(|axis| points.iter().map(|point| point[axis]).collect());
-    let tooltips = Tooltips::numbers(of_points(of.into_iter()));
-    let marks = [Mark::Line { points, dashed }, Mark::Dots { symbol, x, y, tooltips }];
-    marks.map(|mark| Layer::new(name, colour, mark)).into()
+    let dots = Mark::dots(symbol, &points, Tooltips::numbers(of_points(of.into_iter())));
+    [Mark::Line { points, dashed }, dots].map(|mark| Layer::new(name, colour, mark)).into()
 }
 
 /// A value of a point.
