@@ -72,7 +72,7 @@ pub fn animate(
 }
 
 /// Returns the number of frames of a motion of this length, which takes so many steps.
-pub fn frames(model: &Model, drawing: &Drawing, seconds: f64, steps: f64) -> u32 {
+fn frames(model: &Model, drawing: &Drawing, seconds: f64, steps: f64) -> u32 {
     let turning = model.disc_motion().map_or(0.0, |disc| disc.fastest_rad_s());
     let rate = turning + model.units().natural_rad_s;
     let frames = (seconds * rate / TAU * FRAMES_PER_TURN).max(FRAMES_PER_STEP * steps);
@@ -82,11 +82,7 @@ pub fn frames(model: &Model, drawing: &Drawing, seconds: f64, steps: f64) -> u32
 
 /// Returns the animation of a machine from equally spaced samples, with the touches between them; `title` is the
 /// heading.
-pub fn animation(
-    (model, drawing): (&Model, &Drawing),
-    recording: &RecordedRun,
-    title: &str,
-) -> String {
+fn animation((model, drawing): (&Model, &Drawing), recording: &RecordedRun, title: &str) -> String {
     let samples = &recording.samples;
     let units = model.units();
     let [begin, end] = [samples.first(), samples.last()]

@@ -1,9 +1,12 @@
 //! Sentences on the points of a study: whether the runs vibrate less than without balls, whether balls overlap, and what to
-//! change.
+//! change where most runs vibrate more than without balls, and where many runs are undecided, as far as closed
+//! forms and counts tell.
 
 use super::data::{NamedPoints, PointFacts};
-use super::remedies::Remedies;
 use crate::analysis::reference_amplitude;
+use crate::check::Obstacle;
+use crate::classification::{FoundEndings, Label, found_endings};
+use crate::model::{Endings, Model};
 use crate::numbers::percent;
 use crate::study::Study;
 
@@ -24,7 +27,13 @@ pub struct Conclusion {
     few_rests: NamedPoints,
     /// Whether each run has its own machine without balls.
     pub own_machines: bool,
-    remedies: Remedies,
+    /// The points with each obstacle where most runs vibrate more than without balls, in the order of [`Obstacle::ALL`].
+    obstacles: [NamedPoints; 3],
+    /// Runs of a study that detects all endings, and how many of them are undecided.
+    runs: u64,
+    undecided: u64,
+    /// What more time decides, if there are undecided runs.
+    later: Option<String>,
 }
 
 impl Conclusion {
@@ -40,7 +49,14 @@ impl Conclusion {
 
     /// Adds a point of the study.
     pub fn add(&mut self, study: &Study, point: &PointFacts) {
-        self.remedies.count(study, point);
+        if study.simulation().endings == Endings::All {
+            self.runs = self.runs.saturating_add(point.runs);
+            let undecided = point.label(Label::Undecided).runs;
+            self.undecided = self.undecided.saturating_add(undecided);
+            if undecided > 0 && self.later.is_none() {
+                self.later = Some(decided_later(study.model()));
+            }
+        }
         let [grade, _] = point.residual.balance_quality_grade_mm_s;
         if grade.is_some() && 2 * point.equilibrium.runs < point.runs {
             self.few_rests.add(point.point_id);
@@ -53,7 +69,7 @@ impl Conclusion {
         self.mostly_less += u64::from(more < 0.5);
         if more > 0.5 {
             self.mostly_more.add(point.point_id);
-            self.remedies.add(study, point);
+            self.add_obstacle(study, point);
         }
     }
 
@@ -65,12 +81,7 @@ impl Conclusion {
 
     /// Returns the sentences on the answer of the study.
     pub fn sentences(&self) -> Vec<String> {
-        let lines = [
-            self.vibration(),
-            self.remedies.of_vibration(self.compared),
-            self.remedies.of_undecided(),
-            self.overlaps(),
-        ];
+        let lines = [self.vibration(), self.remedy(), self.about_undecided(), self.overlaps()];
         lines.into_iter().flatten().collect()
     }
 
@@ -119,6 +130,41 @@ impl Conclusion {
         })
     }
 
+    /// Notes the obstacle at a point at which most runs vibrate more than without balls.
+    fn add_obstacle(&mut self, study: &Study, point: &PointFacts) {
+        if point.point_id >= study.point_count() {
+            return;
+        }
+        let Ok(model) = study.median_model(point.point_id) else { return };
+        let Some(machine) = model.ball_balancer() else { return };
+        let found = Obstacle::of(machine, point.set_fraction);
+        for (obstacle, points) in Obstacle::ALL.iter().zip(&mut self.obstacles) {
+            if found == Some(*obstacle) {
+                points.add(point.point_id);
+            }
+        }
+    }
+
+    /// Returns the sentence on the obstacles; `None` if closed forms show none. The points are named if there are several.
+    fn remedy(&self) -> Option<String> {
+        let each = Obstacle::ALL.iter().zip(&self.obstacles).filter(|(_, at)| at.count > 0);
+        let parts: Vec<String> = each
+            .map(|(obstacle, at)| match self.compared {
+                1 => in_words(*obstacle).to_owned(),
+                _ => format!("{} ({})", in_words(*obstacle), at.text()),
+            })
+            .collect();
+        (!parts.is_empty()).then(|| format!("Remedy: {}; see `stickslip check`.", parts.join("; ")))
+    }
+
+    /// Returns the sentence on undecided runs; `None` if there are few.
+    fn about_undecided(&self) -> Option<String> {
+        let Conclusion { undecided, runs, .. } = *self;
+        let later = self.later.as_ref()?;
+        (undecided as f64 >= MANY_UNDECIDED * runs as f64)
+            .then(|| format!("{undecided} of {runs} runs are undecided; {later}."))
+    }
+
     fn overlaps(&self) -> Option<String> {
         let (overlapping, rests) = (self.overlapping, self.rests);
         (overlapping > 0).then(|| {
@@ -126,6 +172,41 @@ impl Conclusion {
                 "warning: balls overlap at {overlapping} of {rests} rests; model.contact keeps them apart."
             )
         })
+    }
+}
+
+/// The fraction of undecided runs from which a longer simulation is proposed.
+const MANY_UNDECIDED: f64 = 0.1;
+
+/// Returns which undecided runs of a model a longer simulation decides, in words.
+fn decided_later(model: &Model) -> String {
+    let longer = "a larger simulation.end_time_s or simulation.extend decides";
+    let kind = model.kind().name;
+    match found_endings(model) {
+        FoundEndings { cycles: true, .. } => match model.ball_balancer() {
+            Some(machine) if machine.contact.is_none() => format!("{longer} more"),
+            Some(_) => format!("{longer} more, but no quasi-periodic motion"),
+            None => format!(
+                "{longer} more, but no run whose motion goes on with an amplitude that depends on its start"
+            ),
+        },
+        FoundEndings { rests: true, .. } => format!(
+            "the program finds no limit cycles of {kind} with this friction, so that {longer} only runs that come to rest \
+             or are irregular"
+        ),
+        FoundEndings { .. } => format!(
+            "the program finds neither limit cycles of {kind} nor rests in which a {} sticks, so that {longer} only runs \
+             that are irregular or slide at constant speed",
+            model.kind().body
+        ),
+    }
+}
+
+fn in_words(obstacle: Obstacle) -> &'static str {
+    match obstacle {
+        Obstacle::SlowDisc => "a speed above the natural frequency",
+        Obstacle::LightBalls => "heavier balls or a larger ring, to balance the imbalance",
+        Obstacle::HeldBalls => "less friction, which holds the balls in every position",
     }
 }
 

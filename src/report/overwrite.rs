@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use super::page::OWN;
 use crate::engine::CommandError;
 use crate::table::{ResultsError, sha256, write_atomically};
 
@@ -85,11 +86,11 @@ pub fn beside(directory: &Path, added: &str) -> Result<PathBuf, CommandError> {
     Ok(named.with_file_name(name))
 }
 
-/// Checks that a file does not exist, or that `is_report` recognises it as a report and its hash is right.
+/// Checks that a file does not exist, or that it is a page of this program and its hash is right.
 ///
 /// # Errors
 /// Returns an error if anything else has this path.
-pub fn replaceable(file: &Path, is_report: impl Fn(&[u8]) -> bool) -> Result<(), CommandError> {
+pub fn replaceable(file: &Path) -> Result<(), CommandError> {
     let unusable = ResultsError::unusable(file);
     let found = match fs::symlink_metadata(file) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -99,7 +100,8 @@ pub fn replaceable(file: &Path, is_report: impl Fn(&[u8]) -> bool) -> Result<(),
             File::open(file)
                 .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut content))
                 .map_err(unusable)?;
-            match (is_report(&content), is_sealed(&content)) {
+            let head = String::from_utf8_lossy(&content[..content.len().min(4096)]);
+            match (head.contains(OWN), is_sealed(&content)) {
                 (true, true) => return Ok(()),
                 (true, false) => "a report that has been changed since it was written".to_owned(),
                 (false, _) => "a file that `stickslip report` did not write".to_owned(),

@@ -9,7 +9,7 @@ use super::data::{Budget, ReportData, ResultTables};
 use super::figures::of_results;
 use super::optimum::{OptimumData, of_search};
 use super::overwrite::{beside, outside, replace, replaceable, sealed};
-use super::page::{OWN, optimum_page, page};
+use super::page::{optimum_page, page};
 use crate::engine::{CommandError, ReadableResults, readable_results};
 use crate::study::Study;
 use crate::table::{MANIFEST, Manifest};
@@ -30,7 +30,7 @@ pub fn write_report(directory: &Path, out: Option<&Path>) -> Result<PathBuf, Com
         None => beside(directory, "-report.html")?,
     };
     outside(directory, &file)?;
-    replaceable(&file, is_page)?;
+    replaceable(&file)?;
     let page = match results {
         Some(results) => page_of_results(directory, &results)?,
         None => {
@@ -126,9 +126,4 @@ pub fn printed_figures_of(
 fn printed(figures: Vec<Figure>) -> Vec<PrintedFigure> {
     let with_caption = |figure: Figure| PrintedFigure { caption: figure.caption.clone(), figure };
     figures.into_iter().map(with_caption).collect()
-}
-
-fn is_page(content: &[u8]) -> bool {
-    let head = &content[..content.len().min(4096)];
-    String::from_utf8_lossy(head).contains(OWN)
 }

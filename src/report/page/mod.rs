@@ -19,6 +19,7 @@ use serde_json::json;
 use super::chart::Figure;
 use super::data::ReportData;
 use crate::sanitize::{harmless_json, shell_word, shown_path};
+use crate::study::Study;
 use html::{Html, escaped};
 pub use optimum::optimum_page;
 
@@ -35,39 +36,22 @@ const MOST_STUDY: usize = 60_000;
 
 /// Returns the page of a directory of results.
 pub fn page(directory: &Path, data: &ReportData<'_>, figures: &[Figure]) -> String {
-    let name = data.study.name();
     let mut body = Html::default();
     body.line("<header>");
-    body.element("h1", "", name);
+    body.element("h1", "", data.study.name());
     tables::facts(&mut body, data);
     tables::warnings(&mut body, directory, data);
-    body.line("</header>");
-    body.line("<nav aria-label=\"Parts of this page\"><ul>");
-    body.line("<li><a href=\"#points\">Points</a></li>");
-    if !data.study.responses().is_empty() {
-        body.line("<li><a href=\"#responses\">Responses</a></li>");
-    }
-    for figure in figures {
-        body.line(&format!(
-            "<li><a href=\"#{}-title\">{}</a></li>",
-            figure.id,
-            escaped(&figure.title)
-        ));
-    }
-    body.line("<li><a href=\"#notable\">List of failed and flipped runs</a></li>");
-    body.line("<li><a href=\"#study\">Study</a></li>");
-    body.line("</ul></nav>\n<main>");
+    let before = [("points", "Points"), ("responses", "Responses")];
+    let before = &before[..1 + usize::from(!data.study.responses().is_empty())];
+    let after = [("notable", "List of failed and flipped runs"), ("study", "Study")];
+    links(&mut body, before, figures, &after);
     conclusion::conclusion(&mut body, data);
     points::points(&mut body, directory, data);
     drawn_figures(&mut body, figures);
     tables::other_parameters(&mut body, data);
     tables::notable(&mut body, directory, data);
-    study_section(
-        &mut body,
-        &data.study.resolved_yaml(),
-        &shown_path(&directory.join("study.yaml")),
-    );
-    assembled(name, directory, body, figures)
+    let place = shown_path(&directory.join("study.yaml"));
+    assembled(data.study, &place, directory, body, figures)
 }
 
 /// Adds all figures.
@@ -77,18 +61,46 @@ fn drawn_figures(body: &mut Html, figures: &[Figure]) {
         "<p class=\"hint soft\">Press a name to hide or show a series; Ctrl and the wheel zoom, dragging \
          moves; a click on a dot pins its data.</p>",
     );
-    for figure in figures {
-        section(body, figure);
+    for Figure { id, title, caption, alternative, .. } in figures {
+        body.line(&format!("<section aria-labelledby=\"{id}-title\">"));
+        body.line(&format!("<h2 id=\"{id}-title\">{}</h2>", escaped(title)));
+        body.line(&format!("<figure id=\"{id}\"><figcaption>{}", escaped(caption)));
+        if !alternative.is_empty() {
+            body.line("<details><summary>Text version</summary>");
+            body.element("p", &format!(" id=\"{id}-words\""), alternative);
+            body.line("</details>");
+        }
+        body.line("</figcaption></figure>\n</section>");
     }
     body.line("</div>");
 }
 
-/// Adds the study file, or the place of a long one, and ends the main part.
-fn study_section(body: &mut Html, study: &str, place: &str) {
+/// Ends the header, adds links to the parts of the page, and begins the main part. The figures are between the parts before
+/// and the other parts.
+fn links(body: &mut Html, before: &[(&str, &str)], figures: &[Figure], after: &[(&str, &str)]) {
+    body.line("</header>\n<nav aria-label=\"Parts of this page\"><ul>");
+    let mut link = |id: &str, title: &str| {
+        body.line(&format!("<li><a href=\"#{id}\">{}</a></li>", escaped(title)));
+    };
+    before.iter().for_each(|(id, title)| link(id, title));
+    figures.iter().for_each(|figure| link(&format!("{}-title", figure.id), &figure.title));
+    after.iter().for_each(|(id, title)| link(id, title));
+    body.line("</ul></nav>\n<main>");
+}
+
+/// Returns the whole page with this body, to which the study file is added, or the place of a long one.
+fn assembled(
+    study: &Study,
+    place: &str,
+    directory: &Path,
+    mut body: Html,
+    figures: &[Figure],
+) -> String {
     body.line("<section aria-labelledby=\"study\"><h2 id=\"study\">Study</h2>");
-    if study.len() <= MOST_STUDY {
+    let file = study.resolved_yaml();
+    if file.len() <= MOST_STUDY {
         body.line("<details><summary>Study file with all defaults</summary>");
-        body.element("pre", "", study);
+        body.element("pre", "", &file);
         body.line("</details></section>\n</main>");
     } else {
         body.line(&format!(
@@ -96,10 +108,6 @@ fn study_section(body: &mut Html, study: &str, place: &str) {
             escaped(place)
         ));
     }
-}
-
-/// Returns the whole page with a title and this body.
-fn assembled(name: &str, directory: &Path, body: Html, figures: &[Figure]) -> String {
     let data = json!({
         "directory": shell_word(directory),
         "figures": figures,
@@ -107,7 +115,7 @@ fn assembled(name: &str, directory: &Path, body: Html, figures: &[Figure]) -> St
     // Escaping `<` keeps data from ending the script element that holds it.
     let data = harmless_json(&data.to_string()).replace('<', "\\u003c");
     let parts = [
-        ("<!--title-->", escaped(&format!("{name}: stickslip report"))),
+        ("<!--title-->", escaped(&format!("{}: stickslip report", study.name()))),
         ("<!--style-->", STYLE.to_owned()),
         ("<!--body-->", body.text()),
         ("<!--data-->", data),
@@ -129,19 +137,6 @@ fn fill(page: &str, parts: &[(&str, String)]) -> String {
         }
     }
     filled + rest
-}
-
-fn section(body: &mut Html, figure: &Figure) {
-    let Figure { id, title, caption, alternative, .. } = figure;
-    body.line(&format!("<section aria-labelledby=\"{id}-title\">"));
-    body.line(&format!("<h2 id=\"{id}-title\">{}</h2>", escaped(title)));
-    body.line(&format!("<figure id=\"{id}\"><figcaption>{}", escaped(caption)));
-    if !alternative.is_empty() {
-        body.line("<details><summary>Text version</summary>");
-        body.element("p", &format!(" id=\"{id}-words\""), alternative);
-        body.line("</details>");
-    }
-    body.line("</figcaption></figure>\n</section>");
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::conclusion::conclusion_of_search;
 use super::html::{Html, escaped};
-use super::{assembled, drawn_figures, study_section};
+use super::{assembled, drawn_figures, links};
 use crate::numbers::{counted, significant};
 use crate::report::chart::Figure;
 use crate::report::optimum::{OptimumData, notes};
@@ -15,29 +15,20 @@ use crate::sanitize::shown_path;
 /// Returns the page of a directory that `stickslip optimize` has written.
 pub fn optimum_page(directory: &Path, data: &OptimumData, figures: &[Figure]) -> String {
     let study = &data.study;
-    let name = study.name();
     let mut body = Html::default();
     body.line("<header>");
-    body.element("h1", "", &format!("{name}: search for the best design"));
+    body.element("h1", "", &format!("{}: search for the best design", study.name()));
     facts(&mut body, data);
     for note in notes(data) {
         body.line(&format!("<p class=\"warning note\">{}</p>", escaped(&note)));
     }
-    body.line("</header>");
-    body.line("<nav aria-label=\"Parts of this page\"><ul>");
-    body.line("<li><a href=\"#best\">Best design</a></li>");
-    for Figure { id, title, .. } in figures {
-        body.line(&format!("<li><a href=\"#{id}-title\">{}</a></li>", escaped(title)));
-    }
-    body.line("<li><a href=\"#study\">Study</a></li>");
-    body.line("</ul></nav>\n<main>");
+    links(&mut body, &[("best", "Best design")], figures, &[("study", "Study")]);
     conclusion_of_search(&mut body, data);
     best(&mut body, data);
     drawn_figures(&mut body, figures);
     let place = shown_path(&directory.join("evaluations.parquet"));
     let place = format!("the key `stickslip` in the metadata of {place}");
-    study_section(&mut body, &study.resolved_yaml(), &place);
-    assembled(name, directory, body, figures)
+    assembled(study, &place, directory, body, figures)
 }
 
 /// Adds study, objectives, limits and size of the search.
