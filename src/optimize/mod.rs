@@ -36,6 +36,7 @@ pub use evaluations::{Evaluation, read_evaluations};
 pub use finalists::FinalistRole;
 pub use goal::{Goal, pareto_front};
 pub use into_directory::{Optimize, Optimized};
-pub use sobol_indices::{pick_freeze_sample, sobol_indices};
+pub use sensitivity::Sensitivity;
+pub use sobol_indices::{SobolIndex, pick_freeze_sample, sobol_indices};
 pub(crate) use space::Space;
 pub use surrogate::Surrogate;

@@ -135,7 +135,7 @@ pub fn sensitivity_columns() -> Vec<Column<Sensitivity>> {
     let mut list = Columns::<Sensitivity>::new();
     list.text("response", |row| row.response.clone()).meaning("name of the response");
     list.text("variable", |row| row.variable.clone()).meaning("name of the variable");
-    list.word("source", |row| row.source).meaning(
+    list.word("source", |row| row.source.name()).meaning(
         "where responses were taken from: runs of new designs, or the search's surrogates",
     );
     list.count("samples", |row| row.samples).meaning("base samples");

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::convert::Infallible;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::evaluations::Evaluation;
 use super::search::Search;
@@ -18,14 +18,14 @@ use crate::responses::{Answer, DesignToEvaluate, respond_in_order};
 use crate::study::{DesignValue, SensitivityFrom};
 
 /// The indices of a variable for a response; one row of `sensitivities.parquet`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The response's name.
     pub response: String,
     /// The variable's name.
     pub variable: String,
-    /// Name of the source of the responses.
-    pub source: &'static str,
+    /// Source of the responses.
+    pub source: SensitivityFrom,
     /// Base samples.
     #[serde(skip)]
     pub samples: u64,
@@ -87,7 +87,7 @@ pub fn sensitivities(
                     .get(quantity.response)
                     .map_or_else(String::new, |response| response.name.clone()),
                 variable: variable.name().to_owned(),
-                source: optimization.sensitivity_from.name(),
+                source: optimization.sensitivity_from,
                 samples: optimization.sensitivity_samples,
                 first_order: of_variable.map(|indices| indices.first_order),
                 total: of_variable.map(|indices| indices.total),

@@ -9,13 +9,13 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Bootstrap samples.
 const RESAMPLES: usize = 1000;
 
 /// An index of a variable, with its 95 % interval if the values come from runs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 pub struct SobolIndex {
     /// The index.
     pub value: f64,

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::analysis::Estimate;
 use crate::engine::CommandError;
-use crate::optimize::{Evaluation, FinalistRole, Goal, read_evaluations};
+use crate::optimize::{Evaluation, FinalistRole, Goal, Sensitivity, read_evaluations};
 use crate::study::{Optimization, Study, Unit, Variable};
 use crate::table::{FILES, FileList, Row, Table, TableError};
 
@@ -28,7 +29,7 @@ pub struct OptimumData {
     /// With two objectives: the designs of the search's Pareto front, with their final runs.
     pub front: Vec<FrontDesign>,
     /// Sobol' indices.
-    pub sensitivities: Vec<SensitivityFacts>,
+    pub sensitivities: Vec<Sensitivity>,
 }
 
 /// A design of the Pareto front.
@@ -42,21 +43,6 @@ pub struct FrontDesign {
     pub met: bool,
     /// Whether the design is also on the front of the final runs.
     pub on_front: bool,
-}
-
-/// The Sobol' indices of a variable for a response: value, lower and upper end.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SensitivityFacts {
-    /// Name of the response.
-    pub response: String,
-    /// Name of the variable.
-    pub variable: String,
-    /// Where the responses come from: `surrogates` or `runs`.
-    pub source: String,
-    /// First-order index.
-    pub first_order: [Option<f64>; 3],
-    /// Total index.
-    pub total: [Option<f64>; 3],
 }
 
 impl OptimumData {
@@ -81,12 +67,14 @@ impl OptimumData {
         };
         let evaluations = read_evaluations(&study, directory)?;
         let list = FileList::read(directory)?.unwrap_or_default();
-        let optimum = match list.read_file(directory, "optimum.json")? {
-            Some(bytes) => Some(serde_json::from_slice(&bytes).map_err(|error| {
-                refuse(format!("optimum.json beside it, listed in {FILES}: {error}"))
-            })?),
-            None => None,
+        let unreadable = |error: serde_json::Error| {
+            refuse(format!("optimum.json beside it, listed in {FILES}: {error}"))
         };
+        let optimum = list.read_file(directory, "optimum.json")?;
+        let optimum = optimum.map(|bytes| serde_json::from_slice::<Value>(&bytes)).transpose();
+        let optimum = optimum.map_err(unreadable)?;
+        let sensitivities = optimum.as_ref().map(|json| Vec::deserialize(&json["sensitivities"]));
+        let sensitivities = sensitivities.transpose().map_err(unreadable)?.unwrap_or_default();
         let goal = Goal::new(&study, &optimization);
         let mut data = OptimumData {
             study,
@@ -96,7 +84,7 @@ impl OptimumData {
             optimum,
             best: Vec::new(),
             front: Vec::new(),
-            sensitivities: Vec::new(),
+            sensitivities,
         };
         // Without optimum.json the other tables are of an unfinished end of the search.
         if data.optimum.is_some() {
@@ -109,9 +97,6 @@ impl OptimumData {
             }
             if let Some(table) = open("pareto")? {
                 data.front = data.read_front(&table)?;
-            }
-            if let Some(table) = open("sensitivities")? {
-                data.sensitivities = read_sensitivities(&table)?;
             }
         }
         Ok(data)
@@ -129,6 +114,14 @@ impl OptimumData {
     pub fn variable_in_words(&self, name: &str) -> String {
         let variable = self.study.variables().iter().find(|variable| variable.name() == name);
         variable.map_or_else(|| name.to_owned(), Variable::short_name).replace('_', " ")
+    }
+
+    /// Returns the largest total index of a response, with its variable in words.
+    pub fn largest_total(&self, response: &str) -> Option<(String, f64)> {
+        let rows = self.sensitivities.iter().filter(|row| row.response == response);
+        let known = rows.filter_map(|row| Some((row, row.total?.value)));
+        let (row, total) = known.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        Some((self.variable_in_words(&row.variable), total))
     }
 
     /// Returns the values of the goal's quantities of a design.
@@ -168,20 +161,4 @@ impl OptimumData {
         };
         table.read_rows(facts)?.collect()
     }
-}
-
-fn read_sensitivities(table: &Table) -> Result<Vec<SensitivityFacts>, TableError> {
-    let facts = |row: &Row<'_>| {
-        let text = |name: &str| row.text(name).unwrap_or_default();
-        let index =
-            |name: &str| ["", "_low", "_high"].map(|end| row.number(&format!("{name}{end}")));
-        SensitivityFacts {
-            response: text("response"),
-            variable: text("variable"),
-            source: text("source"),
-            first_order: index("first_order"),
-            total: index("total"),
-        }
-    };
-    table.read_rows(facts)?.collect()
 }

@@ -14,6 +14,7 @@ pub(super) const NOT_MET: &str = "does not meet all limits";
 pub(super) struct EvaluatedDesign<'a> {
     pub design: usize,
     pub evaluation: &'a Evaluation,
+    /// The values of the objectives in the units in which they are shown.
     pub objectives: Vec<Option<f64>>,
     pub met: bool,
 }
@@ -32,9 +33,12 @@ pub(super) fn evaluated(data: &OptimumData) -> Vec<EvaluatedDesign<'_>> {
     let mut designs = Vec::new();
     for (design, evaluation) in data.evaluations.iter().enumerate() {
         let values = data.values(evaluation);
-        let quantities = data.goal.objectives.iter().map(|(quantity, _)| *quantity);
-        let objectives = quantities.map(|quantity| values.get(quantity).copied().flatten());
-        let (objectives, met) = (objectives.collect(), data.goal.is_met(&values));
+        let objective = |(quantity, objective): &(usize, Objective)| {
+            let (_, factor) = objective_axis(data, objective);
+            Some(factor * values.get(*quantity).copied()??)
+        };
+        let objectives = data.goal.objectives.iter().map(objective).collect();
+        let met = data.goal.is_met(&values);
         designs.push(EvaluatedDesign { design, evaluation, objectives, met });
     }
     designs

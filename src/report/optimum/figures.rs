@@ -1,16 +1,17 @@
 //! Figures of a search: objectives by design and over each variable, the Pareto front, and the Sobol' indices.
 
-use super::data::{OptimumData, SensitivityFacts};
+use super::data::OptimumData;
 use super::designs::{
     EvaluatedDesign, Looks, MET, NOT_MET, design_dots, evaluated, objective_axis,
 };
 use super::parallel::parallel_coordinates;
 use crate::numbers::significant;
+use crate::optimize::{Sensitivity, SobolIndex};
 use crate::report::chart::{
     Axis, Colour, Figure, Layer, Mark, Panel, Symbol, Tooltips, axis, axis_of_names,
 };
 use crate::report::figures::{BARS, PlottedEstimate, bars};
-use crate::study::{Objective, Variable};
+use crate::study::{Objective, SensitivityFrom, Variable};
 
 /// Returns all figures of a search, in reading order.
 pub fn of_search(data: &OptimumData) -> Vec<Figure> {
@@ -34,9 +35,8 @@ fn convergence(data: &OptimumData) -> Option<Figure> {
     let mut unknown = 0;
     let single = data.goal.objectives.len() == 1;
     for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
-        let (y, factor) = objective_axis(data, objective);
-        let value =
-            |design: &EvaluatedDesign<'_>| Some(factor * design.objectives.get(place).copied()??);
+        let (y, _) = objective_axis(data, objective);
+        let value = |design: &EvaluatedDesign<'_>| design.objectives[place];
         let mut layers = Vec::new();
         let (mut steps, mut best): (Vec<[f64; 2]>, Option<f64>) = (Vec::new(), None);
         for design in designs.iter().filter(|design| design.met) {
@@ -101,7 +101,7 @@ fn front(data: &OptimumData) -> Option<Figure> {
     let (y_axis, y_factor) = objective_axis(data, second);
     let designs = evaluated(data);
     let place = |design: &EvaluatedDesign<'_>| match design.objectives[..] {
-        [Some(x), Some(y)] => Some([x_factor * x, y_factor * y]),
+        [Some(x), Some(y)] => Some([x, y]),
         _ => None,
     };
     let looks = [(NOT_MET, Colour::Faint, Symbol::Cross), (MET, Colour::Series(0), Symbol::Disc)];
@@ -156,14 +156,12 @@ fn over_variables(data: &OptimumData) -> Option<Figure> {
     let designs = evaluated(data);
     let mut panels = Vec::new();
     for (place, (_, objective)) in data.goal.objectives.iter().enumerate() {
-        let (y, factor) = objective_axis(data, objective);
-        let value =
-            |design: &EvaluatedDesign<'_>| Some(factor * design.objectives.get(place).copied()??);
+        let (y, _) = objective_axis(data, objective);
         for (index, variable) in data.study.variables().iter().enumerate() {
-            let place = |design: &EvaluatedDesign<'_>| {
-                Some([design.number(index, variable)?, value(design)?])
+            let at = |design: &EvaluatedDesign<'_>| {
+                Some([design.number(index, variable)?, design.objectives[place]?])
             };
-            let layers = design_dots(data, &designs, LOOKS, true, place);
+            let layers = design_dots(data, &designs, LOOKS, true, at);
             if layers.is_empty() {
                 continue;
             }
@@ -212,12 +210,13 @@ fn indices(data: &OptimumData) -> Option<Figure> {
     let mut panels = Vec::new();
     let mut sentences = Vec::new();
     for response in responses {
-        let rows: Vec<&SensitivityFacts> =
+        let rows: Vec<&Sensitivity> =
             data.sensitivities.iter().filter(|row| row.response == response).collect();
         let names: Vec<String> =
             rows.iter().map(|row| data.variable_in_words(&row.variable)).collect();
-        let parts = |[value, low, high]: [Option<f64>; 3]| {
-            Some([value?, low.unwrap_or(f64::NAN), high.unwrap_or(f64::NAN)])
+        let parts = |index: Option<SobolIndex>| {
+            let SobolIndex { value, low, high } = index?;
+            Some([value, low.unwrap_or(f64::NAN), high.unwrap_or(f64::NAN)])
         };
         let first = rows.iter().map(|row| parts(row.first_order));
         let mut layers = bars("first order", Colour::Series(0), -BARS[0], first);
@@ -226,23 +225,19 @@ fn indices(data: &OptimumData) -> Option<Figure> {
         if layers.is_empty() {
             continue;
         }
-        let known = rows.iter().filter_map(|row| Some((row, row.total[0]?)));
-        if let Some((row, value)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
-            sentences.push(format!(
-                "{response}: {} has the largest total index, {value:.2}",
-                data.variable_in_words(&row.variable)
-            ));
-        }
+        sentences.extend(data.largest_total(response).map(|(variable, value)| {
+            format!("{response}: {variable} has the largest total index, {value:.2}")
+        }));
         let x = axis_of_names(names, axis("", ""));
         // The axis has all bars and intervals from 0.
         let indices = rows.iter().flat_map(|row| [row.first_order, row.total]);
-        let ends = indices.flatten().flatten().filter(|end| end.is_finite());
+        let ends = indices.filter_map(parts).flatten().filter(|end| end.is_finite());
         let range =
             ends.fold([0.0, 1.0], |[low, high]: [f64; 2], end| [low.min(end), high.max(end)]);
         let y = Axis { range: Some(range), ..axis("part of the variance", "") };
         panels.push(Panel { part: response.to_owned(), ..Panel::new(x, y, layers) });
     }
-    let surrogates = data.sensitivities.iter().any(|row| row.source == "surrogates");
+    let surrogates = data.sensitivities.iter().any(|row| row.source == SensitivityFrom::Surrogates);
     Figure::new(
         "sobol-indices",
         "Sobol' indices",

@@ -27,10 +27,9 @@ pub fn parallel_coordinates(data: &OptimumData) -> Option<Figure> {
         )
     });
     let objectives = data.goal.objectives.iter().enumerate().map(|(place, (_, objective))| {
-        let (axis, factor) = objective_axis(data, objective);
-        let value =
-            |design: &EvaluatedDesign<'_>| Some(factor * design.objectives.get(place).copied()??);
-        upright(&axis.name, &axis.unit, designs.iter().map(value), None)
+        let (axis, _) = objective_axis(data, objective);
+        let values = designs.iter().map(|design| design.objectives[place]);
+        upright(&axis.name, &axis.unit, values, None)
     });
     let axes: Vec<ParallelAxis> = of_variables.chain(objectives).collect();
     if variables.len() < 2 || designs.is_empty() {

@@ -151,10 +151,7 @@ pub fn conclusion_of_search(body: &mut Html, data: &OptimumData) {
     }
     for objective in &data.optimization.objectives {
         let (name, _) = data.response(objective.response);
-        let of_response = data.sensitivities.iter().filter(|row| row.response == name);
-        let known = of_response.filter_map(|row| Some((row, row.total[0]?)));
-        if let Some((row, total)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
-            let variable = data.variable_in_words(&row.variable);
+        if let Some((variable, total)) = data.largest_total(name) {
             sentences.push(format!(
                 "Over the whole range of designs, {variable} has the largest total Sobol' index of {name}: {variable} and its \
                  interactions cause {:.0} % of the variance of {name}.",
