@@ -1,9 +1,9 @@
 //! Figure: a sweep over two parameters as a map, with one coloured cell per point.
 
-use super::sweep_axis::{SweepAxis, distinct, is_by_decades, number};
+use super::sweep_axis::{SweepAxis, distinct, grouped, is_by_decades, number};
 use crate::classification::Label;
 use crate::report::chart::{Axis, Colour, ColourScale, Figure, Layer, Mark, Panel, Tooltips};
-use crate::report::data::{PointFacts, ReportData, heading};
+use crate::report::data::{PointFacts, ReportData};
 
 /// The least number of values of each parameter.
 const LEAST: usize = 3;
@@ -41,22 +41,11 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
         return None;
     }
     // One map for each combination of the other parameters.
-    let mut planes: Vec<(String, Vec<Placed<'_>>)> = Vec::new();
-    for point in &data.points {
-        let at = |axis: &SweepAxis| number(data.study, point, axis.column);
-        let places = at(across).zip(at(up));
-        let Some((x, y)) = places.filter(|(x, y)| on(&x_values, *x) && on(&y_values, *y)) else {
-            continue;
-        };
-        let is_other = |column| column != across.column && column != up.column;
-        let title = heading(data.study, &point.swept, is_other);
-        let place = planes.iter().position(|(other, _)| *other == title);
-        let place = place.unwrap_or_else(|| {
-            planes.push((title, Vec::new()));
-            planes.len() - 1
-        });
-        planes[place].1.push((point, x, y));
-    }
+    let mut planes = grouped(data, &[across.column, up.column], |point| -> Option<Placed<'_>> {
+        let [x, y] = [across, up].map(|axis| number(data.study, point, axis.column));
+        let (x, y) = x.zip(y).filter(|(x, y)| on(&x_values, *x) && on(&y_values, *y))?;
+        Some((point, x, y))
+    });
     // A map with mostly empty cells is a path through the plane, which curves show better.
     planes.retain(|(_, points)| 3 * points.len() >= x_values.len() * y_values.len());
     planes.truncate(MOST_PLANES);

@@ -1,6 +1,8 @@
 //! Swept parameters as axes, the points grouped along them, and panels of values of points over them, or over the points if no
 //! number is swept.
 
+use indexmap::IndexMap;
+
 use crate::report::chart::{Axis, AxisKind, Layer, Panel};
 use crate::report::data::{PointFacts, ReportData, axis_of, heading};
 use crate::study::{ParameterValue, Study};
@@ -48,6 +50,22 @@ pub fn is_by_decades(values: &[f64]) -> bool {
     *least > 0.0 && most / least >= 100.0 && 2 * small >= values.len()
 }
 
+/// Returns the known values of points in groups that differ in these columns only, in the order of the sweep, with the values
+/// of the other parameters in words.
+pub fn grouped<'a, T>(
+    data: &'a ReportData<'_>,
+    columns: &[usize],
+    value: impl Fn(&'a PointFacts) -> Option<T>,
+) -> Vec<(String, Vec<T>)> {
+    let mut groups: IndexMap<String, Vec<T>> = IndexMap::new();
+    for point in &data.points {
+        let Some(value) = value(point) else { continue };
+        let title = heading(data.study, &point.swept, |column| !columns.contains(&column));
+        groups.entry(title).or_default().push(value);
+    }
+    groups.into_iter().collect()
+}
+
 impl SweepAxis {
     /// Returns the swept parameters with at least `least` values, the one with the most values first.
     pub fn all(data: &ReportData<'_>, least: usize) -> Vec<SweepAxis> {
@@ -75,23 +93,13 @@ impl SweepAxis {
 
     /// Returns the points in groups that differ in this parameter only, in the order of the sweep.
     pub fn groups<'a>(&self, data: &'a ReportData<'_>) -> Vec<SweepGroup<'a>> {
-        let mut groups: Vec<SweepGroup<'a>> = Vec::new();
-        let mut places = std::collections::HashMap::new();
-        for point in &data.points {
-            let Some(value) = number(data.study, point, self.column) else { continue };
-            let title = heading(data.study, &point.swept, |column| column != self.column);
-            let next = groups.len();
-            let place = *places.entry(title.clone()).or_insert(next);
-            if place == next {
-                groups.push(SweepGroup { title, points: Vec::new() });
-            }
-            if let Some(group) = groups.get_mut(place) {
-                group.points.push((value, point));
-            }
-        }
-        for group in &mut groups {
-            group.points.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-        }
+        let value = |point| Some((number(data.study, point, self.column)?, point));
+        let groups = grouped(data, &[self.column], value).into_iter();
+        let sorted = |(title, mut points): (String, Vec<(f64, &'a PointFacts)>)| {
+            points.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+            SweepGroup { title, points }
+        };
+        let mut groups: Vec<SweepGroup<'a>> = groups.map(sorted).collect();
         if let [only] = &mut groups[..] {
             only.title.clear();
         }
