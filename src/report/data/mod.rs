@@ -30,7 +30,7 @@ pub use time_to_rest::RestCurve;
 
 use super::chart::{Axis, axis_of_names};
 use crate::classification::Label;
-use crate::study::{Study, Unit, VariedParameter};
+use crate::study::{Study, Unit};
 use crate::table::{Manifest, MemoryTable, Table, TableError};
 
 /// The longest name of a curve in a legend, in characters.
@@ -273,8 +273,7 @@ impl<'a> ReportData<'a> {
         if self.study.uncertain().is_empty() {
             return String::new();
         }
-        let words = |parameter: &VariedParameter| parameter.short_name().replace('_', " ");
-        let names: Vec<String> = self.study.uncertain().iter().map(words).collect();
+        let names: Vec<String> = self.study.uncertain().iter().map(names::words).collect();
         format!(" {statement}; each run has its own {}.", names.join(", "))
     }
 

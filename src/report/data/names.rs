@@ -4,7 +4,7 @@ use crate::report::chart::{Axis, axis};
 use crate::study::{ParameterValue, Study, VariedParameter};
 
 /// Returns the name of a parameter in words, without its unit.
-fn words(parameter: &VariedParameter) -> String {
+pub fn words(parameter: &VariedParameter) -> String {
     parameter.short_name().replace('_', " ")
 }
 

@@ -39,8 +39,6 @@ pub struct PointFacts {
     pub equilibrium: Fraction,
     /// Whether the intervals are as narrow as the study's precision requires; `None` without a precision.
     pub precise: Option<bool>,
-    /// Method of that interval.
-    pub ci_method: String,
     /// Quartiles and 95 % quantile of time to rest, s.
     pub time_to_rest_s: [Option<f64>; 4],
     /// 5 %, 50 % and 95 % quantiles of residual amplitude, m.
@@ -78,10 +76,10 @@ impl PointFacts {
         let PointRow { point_id, swept, summary, set_fraction, responses, .. } = row;
         let (counts, runs) = (&summary.counts, summary.counts.total());
         let intervals = counts.intervals();
-        let mut labels = Label::ALL.map(|label| Fraction::of(counts.of(label), runs));
-        for (fraction, (low, high)) in labels.iter_mut().zip(intervals) {
-            *fraction = Fraction { low, high, ..*fraction };
-        }
+        let labels = Label::ALL.map(|label| {
+            let (of_label, (low, high)) = (counts.of(label), intervals[label as usize]);
+            Fraction { runs: of_label, fraction: of_label as f64 / runs as f64, low, high }
+        });
         let (low, high) = summary.interval.ends();
         let fraction = summary.equilibrium_fraction;
         let (audit, (flip_low, flip_high)) = (summary.audit, summary.audit.interval());
@@ -93,7 +91,6 @@ impl PointFacts {
             labels,
             equilibrium: Fraction { fraction, low, high, ..labels[0] },
             precise: study.precision().map(|wanted| HalfWidths::from(wanted).reached(summary)),
-            ci_method: summary.interval.method.name().to_owned(),
             time_to_rest_s: summary.time_to_rest_s,
             amplitude_m: summary.amplitude_m,
             residual: summary.residual,
@@ -113,15 +110,7 @@ impl PointFacts {
 
     /// Returns the runs with this label.
     pub fn label(&self, label: Label) -> Fraction {
-        let found = Label::ALL.iter().zip(self.labels).find(|(other, _)| **other == label);
-        found.map_or(Fraction::of(0, self.runs), |(_, fraction)| fraction)
-    }
-}
-
-impl Fraction {
-    /// Returns the fraction of `runs` in `all` runs, without an interval.
-    fn of(runs: u64, all: u64) -> Self {
-        Fraction { runs, fraction: runs as f64 / all as f64, low: f64::NAN, high: f64::NAN }
+        self.labels[label as usize]
     }
 }
 
