@@ -192,12 +192,8 @@ fn over_points(estimates: &[&Estimate], how: OverPoints, larger_is_worse: bool) 
         OverPoints::Worst => {
             let worse =
                 |left: f64, right: f64| if larger_is_worse { left > right } else { left < right };
-            let mut worst = 0;
-            for (index, value) in values.iter().enumerate() {
-                if worse(*value, values[worst]) {
-                    worst = index;
-                }
-            }
+            let worse_of = |a: usize, b: usize| if worse(values[b], values[a]) { b } else { a };
+            let worst = (0..values.len()).fold(0, worse_of);
             let extreme = |ends: Vec<f64>| {
                 ends.into_iter().reduce(if larger_is_worse { f64::max } else { f64::min })
             };
