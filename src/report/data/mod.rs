@@ -231,11 +231,7 @@ impl<'a> ReportData<'a> {
 
     /// Returns the number of balls of a point; zero for a model without balls.
     pub fn balls_of(&self, point: &PointFacts) -> usize {
-        let known = point.point_id < self.study.point_count();
-        match known {
-            true => self.study.point(point.point_id).model().balls(),
-            false => self.study.model().balls(),
-        }
+        self.study.point(point.point_id).model().balls()
     }
 
     /// Returns the number of rests of a point at which balls touch; `None` without contact between balls.

@@ -7,7 +7,7 @@ impl ReportData<'_> {
     /// they end at the latest unless they are continued, in s, with uncertain parameters at their medians.
     fn observation(&self, point: &PointFacts) -> [f64; 2] {
         let end_s = self.study.simulation().end_time_s;
-        if !self.study.has_stages() || point.point_id >= self.study.point_count() {
+        if !self.study.has_stages() {
             return [0.0, end_s];
         }
         let point = self.study.point(point.point_id);

@@ -57,13 +57,14 @@ pub struct PointFacts {
     pub responses_without_balls: Vec<Option<f64>>,
 }
 
-/// Reads all points, or evenly spaced ones.
+/// Reads all points of the study, or evenly spaced ones.
 pub fn read(study: &Study, table: &Table) -> Result<Vec<PointFacts>, TableError> {
     let every = table.rows().div_ceil(MOST_POINTS).max(1);
     let (columns, mut points) = (point_columns(study), Vec::new());
     table.for_each(|row| {
         if row.place().is_multiple_of(every) {
             let point = PointRow::read(study, &columns, row);
+            let point = point.filter(|point| point.point_id < study.point_count());
             points.extend(point.map(|point| PointFacts::of(study, &point)));
         }
     })?;

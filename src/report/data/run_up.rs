@@ -87,8 +87,10 @@ pub fn read(
     let mut of_points: BTreeMap<u64, (u64, Candidates)> = chosen
         .map(|point| (point.point_id, (point.runs.div_ceil(MOST_RUNS), Candidates::default())))
         .collect();
+    let run_count = study.run_count();
     table.for_each(|row| {
-        let ids = row.count("run_id").zip(row.count("point_id"));
+        let run_id = row.count("run_id").filter(|run_id| *run_id < run_count);
+        let ids = run_id.zip(row.count("point_id"));
         let peak = row.number("peak_amplitude_m").zip(row.number("peak_time_s"));
         let end = row.number("amplitude_m").zip(row.number("end_time_s"));
         let steps = row.count("steps").unwrap_or(0);
@@ -115,9 +117,7 @@ pub fn read(
                 continue;
             };
             steps_left = left;
-            let run_id = candidate.peak.run_id;
-            let is_known = run_id < study.run_count();
-            let found = is_known.then(|| motion(study, run_id, candidate.end_s)).flatten();
+            let found = motion(study, candidate.peak.run_id, candidate.end_s);
             runs.extend(found.map(|motion| SampledRun { why, peak: candidate.peak, motion }));
         }
         if !runs.is_empty() {

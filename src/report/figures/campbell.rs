@@ -7,8 +7,7 @@ use crate::report::data::ReportData;
 
 /// Plots the Campbell diagram of the fastest point in detail, with uncertain parameters at their medians.
 pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
-    let known = data.details().filter(|point| point.point_id < data.study.point_count());
-    let models = known.filter_map(|point| {
+    let models = data.details().filter_map(|point| {
         let mut model = data.study.median_model(point.point_id).ok()?;
         let speed = model.speed_parameter()?.numbers(&mut model, None).pop()?.abs();
         Some((speed, point, model))

@@ -72,8 +72,7 @@ fn held_parts(positions: &[([f64; 2], bool)]) -> Vec<[f64; 2]> {
 /// Returns sentences for the caption; empty without contact.
 pub fn sentences(data: &ReportData<'_>) -> String {
     let study = data.study;
-    let known = data.details().filter(|point| point.point_id < study.point_count());
-    let angles = known.filter_map(|point| {
+    let angles = data.details().filter_map(|point| {
         let point = study.point(point.point_id);
         Some(contact_angle_rad(point.model().ball_balancer()?)?.to_degrees())
     });

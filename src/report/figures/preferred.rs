@@ -101,10 +101,9 @@ fn dots(data: &ReportData<'_>, point: &PointFacts, x: &[f64], y: &[f64]) -> Laye
 fn pair(data: &ReportData<'_>, point: &PointFacts) -> Panel {
     let column = |ball: usize| data.runs.position.get(ball - 1).map_or(&[][..], Vec::as_slice);
     let dots = dots(data, point, column(1), column(2));
-    // The set is computed from the study alone; a point that the study lacks has no set.
-    let study = data.study;
-    let model = (point.point_id < study.point_count()).then(|| study.point(point.point_id));
-    let machine = model.as_ref().and_then(|point| point.model().ball_balancer());
+    // The set is computed from the study alone.
+    let of_study = data.study.point(point.point_id);
+    let machine = of_study.model().ball_balancer();
     let (panels, cells) = (data.detailed.len(), data.budget.cells);
     let set =
         machine.and_then(|machine| set_layers(machine, &data.amplitude_unit(), panels, cells));
@@ -139,11 +138,10 @@ fn one_contact(data: &ReportData<'_>, point: &PointFacts) -> Panel {
 /// Points of the circle of the imbalance without balls.
 const CIRCLE: usize = 72;
 
-/// Returns the panel of a point with three or more balls; `None` if the study lacks the point.
+/// Returns the panel of a point with three or more balls; `None` for a model that is no ball balancer.
 fn residual_imbalance(data: &ReportData<'_>, point: &PointFacts) -> Option<Panel> {
-    let known =
-        (point.point_id < data.study.point_count()).then(|| data.study.point(point.point_id))?;
-    let machine = known.model().ball_balancer()?;
+    let of_study = data.study.point(point.point_id);
+    let machine = of_study.model().ball_balancer()?;
     let unit = data.study.units().imbalance();
     let vectors: Vec<[f64; 2]> =
         vectors(data, machine).into_iter().map(|at| at.map(|part| unit.of(part))).collect();

@@ -184,7 +184,7 @@ fn rules(runs: &[SampledRun]) -> Vec<Layer> {
 
 /// Returns a rule at the natural frequency, if the disc passes it in all of these runs.
 fn resonance(study: &Study, point_id: u64, runs: &[SampledRun]) -> Option<Layer> {
-    let point = (point_id < study.point_count()).then(|| study.point(point_id))?;
+    let point = study.point(point_id);
     let natural = point.model().natural_frequency_rad_s();
     let sign = point.model().ball_balancer()?.speed_rad_s.signum();
     let passes = |run: &SampledRun| run.motion.disc.fastest_rad_s() > natural;

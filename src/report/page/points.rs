@@ -83,9 +83,6 @@ fn responses(body: &mut Html, data: &ReportData<'_>, rows: &[PointFacts], shown:
 
 /// Returns the speed of the disc at the largest vibration of a run, rad/s.
 fn disc_speed(study: &Study, peak: &PeakOfRun) -> Option<f64> {
-    if peak.run_id >= study.run_count() {
-        return None;
-    }
     let case = study.planned_run(peak.run_id).case.ok()?;
     Some(case.model.ball_balancer()?.disc_motion().speed_rad_s(peak.time_s))
 }
