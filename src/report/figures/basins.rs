@@ -26,20 +26,15 @@ pub fn figure(data: &ReportData<'_>) -> Option<Figure> {
     let every = (all * pairs.len()).div_ceil(data.budget.starts).max(1);
     // Mixes the run numbers again to draw a subsample of the sample.
     let mixed = |run: u64| run.wrapping_mul(0x2545_f491_4f6c_dd1d).rotate_left(17);
-    let is_shown = |place: usize| {
-        data.runs.run_id.get(place).is_some_and(|run| scattered(mixed(*run), every as u64))
-    };
+    let is_shown = |place: usize| scattered(mixed(data.runs.run_id[place]), every as u64);
     let mut panels = Vec::new();
     let mut drawn = 0;
     for (point, runs) in &of_points {
         let first_panel = panels.len();
         let runs: Vec<usize> = runs.iter().copied().filter(|run| is_shown(*run)).collect();
         for &[first, second] in &pairs {
-            let column = |index: usize| data.runs.start.get(index);
-            let (Some(x), Some(y)) = (column(first), column(second)) else { continue };
-            let (Some(of_x), Some(of_y)) = (coordinates.get(first), coordinates.get(second)) else {
-                continue;
-            };
+            let [x, y] = [first, second].map(|index| &data.runs.start[index]);
+            let [of_x, of_y] = [first, second].map(|index| &coordinates[index]);
             // A point with fewer balls than others has no such coordinate.
             let is_known = |run: &usize| [x, y].iter().all(|column| column[*run].is_finite());
             if !runs.is_empty() && !runs.iter().any(is_known) {

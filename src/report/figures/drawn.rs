@@ -58,10 +58,8 @@ fn points<'a>(data: &'a ReportData<'_>) -> impl Iterator<Item = (&'a PointFacts,
 /// Plots the rank correlations of each parameter with the amplitude and with the time to rest, for each point.
 pub fn correlations(data: &ReportData<'_>) -> Option<Figure> {
     let shown = shown_parameters(data);
-    let names: Vec<String> = shown
-        .iter()
-        .filter_map(|&parameter| Some(axis_of(data.study.uncertain().get(parameter)?).name))
-        .collect();
+    let name = |parameter: &usize| axis_of(&data.study.uncertain()[*parameter]).name;
+    let names: Vec<String> = shown.iter().map(name).collect();
     let x = axis_of_names(names.clone(), axis("", ""));
     let y = Axis { range: Some([-1.0, 1.0]), ..axis("rank correlation", "") };
     let mut panels = Vec::new();
@@ -144,9 +142,8 @@ pub fn amplitudes(data: &ReportData<'_>) -> Option<Figure> {
     for (point, runs) in &chosen {
         let amplitudes: Vec<f64> = runs.amplitude_m.iter().map(|metres| unit.of(*metres)).collect();
         for &parameter in &shown {
-            let Some(uncertain) = data.study.uncertain().get(parameter) else { continue };
-            let Some(values) = runs.values.get(parameter) else { continue };
-            let x = axis_of(uncertain);
+            let values = &runs.values[parameter];
+            let x = axis_of(&data.study.uncertain()[parameter]);
             let part = x.name.clone();
             let sample = (&runs.run_id[..], &runs.label[..]);
             let places = (0..).zip(&runs.run_id).filter(|(_, run)| is_shown(**run));
@@ -186,14 +183,13 @@ fn small(label: Label) -> Symbol {
 /// Returns a sentence on the ranges of the drawn values.
 fn ranges(data: &ReportData<'_>, chosen: &[(&PointFacts, &DrawnRuns)], shown: &[usize]) -> String {
     let range = |&parameter: &usize| {
-        let axis = axis_of(data.study.uncertain().get(parameter)?);
-        let values =
-            || chosen.iter().filter_map(|(_, runs)| runs.values.get(parameter)).flatten().copied();
+        let axis = axis_of(&data.study.uncertain()[parameter]);
+        let values = || chosen.iter().flat_map(|(_, runs)| &runs.values[parameter]).copied();
         let (least, most) =
             (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
         let [least, most] = [least, most].map(significant);
-        Some(format!("{} from {least} to {most} {}", axis.name, axis.unit).trim_end().to_owned())
+        format!("{} from {least} to {most} {}", axis.name, axis.unit).trim_end().to_owned()
     };
-    let ranges: Vec<String> = shown.iter().filter_map(range).collect();
+    let ranges: Vec<String> = shown.iter().map(range).collect();
     format!("The runs have drawn {}.", ranges.join(", "))
 }

@@ -104,10 +104,8 @@ impl OptimumData {
 
     /// Returns name and unit of a response.
     pub fn response(&self, index: usize) -> (&str, Unit) {
-        let response = self.study.responses().get(index);
-        let (name, unit) =
-            response.map_or(("", "1"), |response| (&*response.name, response.unit()));
-        (name, self.study.units().of_response(unit))
+        let response = &self.study.responses()[index];
+        (&*response.name, self.study.units().of_response(response.unit()))
     }
 
     /// Returns the name of a variable in words, without its unit.

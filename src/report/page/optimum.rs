@@ -69,10 +69,8 @@ fn facts(body: &mut Html, data: &OptimumData) {
 
 /// Returns name and meaning of a response.
 fn described(data: &OptimumData, response: usize) -> String {
-    let found = data.study.responses().get(response);
-    found.map_or_else(String::new, |response| {
-        format!("{} ({})", response.name, response.meaning_in(&data.study.units().vibration()))
-    })
+    let response = &data.study.responses()[response];
+    format!("{} ({})", response.name, response.meaning_in(&data.study.units().vibration()))
 }
 
 /// Adds the table of the best design and the reference design.
