@@ -184,9 +184,7 @@ fn candidates(search: &Search, evaluations: &[Evaluation]) -> Vec<usize> {
     let costs: Vec<Option<Vec<f64>>> =
         all.iter().map(|values| goal.feasible_costs(values)).collect();
     let mut front = pareto_front(&costs);
-    let first = |index: &usize| {
-        costs.get(*index).and_then(|costs| costs.as_ref()?.first().copied()).unwrap_or(0.0)
-    };
+    let first = |index: &usize| costs[*index].as_ref().map_or(0.0, |costs| costs[0]);
     front.sort_by(|left, right| first(left).total_cmp(&first(right)));
     if front.len() <= most || most < 2 {
         front.truncate(most);

@@ -72,9 +72,8 @@ fn final_json(search: &Search, finalist: &Finalist) -> Value {
     let Search { study, ref goal, .. } = *search;
     let estimates = goal.quantities.iter().zip(&finalist.estimates);
     let responses: serde_json::Map<String, Value> = estimates
-        .filter_map(|(quantity, estimate)| {
-            let name = study.responses().get(quantity.response)?.name.clone();
-            Some((name, json!(estimate)))
+        .map(|(quantity, estimate)| {
+            (study.responses()[quantity.response].name.clone(), json!(estimate))
         })
         .collect();
     json!({
@@ -122,8 +121,7 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
         if let Some(index) = best {
             let (grade, _) = goal.rank(&all[index]);
             let (quantity, objective) = goal.objectives[0];
-            let response = study.responses().get(objective.response);
-            let unit = study.units().of_response(response.map_or("1", Response::unit));
+            let unit = study.units().of_response(study.responses()[objective.response].unit());
             let value = all[index][quantity]
                 .map_or_else(|| "no value".to_owned(), |value| value_in_words(value, &unit));
             let what = if grade == 0 { "best so far" } else { "limits not met yet; nearest" };
@@ -137,10 +135,10 @@ pub fn search_line(search: &Search, evaluations: &[Evaluation]) -> String {
 /// Returns the names of the responses of the goal's quantities, and their estimates in words.
 fn estimates_in_words(search: &Search, estimates: &[Estimate]) -> Vec<[String; 2]> {
     let Search { study, ref goal, .. } = *search;
-    let each = goal.quantities.iter().zip(estimates).filter_map(|(quantity, estimate)| {
-        let response = study.responses().get(quantity.response)?;
+    let each = goal.quantities.iter().zip(estimates).map(|(quantity, estimate)| {
+        let response = &study.responses()[quantity.response];
         let unit = study.units().of_response(response.unit());
-        Some([response.name.clone(), estimate_in_words(estimate, &unit)])
+        [response.name.clone(), estimate_in_words(estimate, &unit)]
     });
     each.collect()
 }

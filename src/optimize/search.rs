@@ -133,7 +133,7 @@ fn next_designs(
 fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<String> {
     let all = goal.values_of_designs(evaluations);
     goal.objectives.iter().find_map(|(quantity, objective)| {
-        let name = &study.responses().get(objective.response)?.name;
+        let name = &study.responses()[objective.response].name;
         let values: Vec<Option<f64>> =
             all.iter().map(|values| values.get(*quantity).copied().flatten()).collect();
         let known: Vec<f64> = values.iter().copied().flatten().collect();

@@ -82,13 +82,13 @@ impl<'a> SearchDirectory<'a> {
     }
 
     pub fn write_surrogates(&mut self, all: &[QuantitySurrogate]) -> Result<(), CommandError> {
-        let states = all.iter().filter_map(|(response, surrogate)| {
-            let name = &self.study.responses().get(*response)?.name;
+        let states = all.iter().map(|(response, surrogate)| {
+            let name = &self.study.responses()[*response].name;
             let state = match surrogate {
                 Ok(surrogate) => surrogate.state(),
                 Err(problem) => json!({"problem": problem}),
             };
-            Some(json!({"response": name, "state": state}))
+            json!({"response": name, "state": state})
         });
         let states: Vec<_> = states.collect();
         self.directory.write_json("surrogates.json", &json!({"format": 1, "surrogates": states}))
@@ -114,7 +114,7 @@ pub fn pareto_columns(study: &Study, optimization: &Optimization) -> Vec<Column<
     list.count("design", |row| row.design).meaning("number of the design in the search");
     add_variables(&mut list, study, |row: &Finalist| row.values.as_slice());
     for (place, quantity) in Goal::new(study, optimization).quantities.iter().enumerate() {
-        let Some(response) = study.responses().get(quantity.response) else { continue };
+        let response = &study.responses()[quantity.response];
         let (name, unit) = (&response.name, response.unit());
         // A response has several quantities if different points are its worst.
         if !list.contains(name) {

@@ -82,10 +82,7 @@ pub fn sensitivities(
         for (index, variable) in variables.iter().enumerate() {
             let of_variable = indices.as_ref().ok().and_then(|all| all.get(index));
             rows.push(Sensitivity {
-                response: study
-                    .responses()
-                    .get(quantity.response)
-                    .map_or_else(String::new, |response| response.name.clone()),
+                response: study.responses()[quantity.response].name.clone(),
                 variable: variable.name().to_owned(),
                 source: optimization.sensitivity_from,
                 samples: optimization.sensitivity_samples,
