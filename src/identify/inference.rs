@@ -129,10 +129,7 @@ fn simulated(
     let Inference { study, workers, stop, .. } = *inference;
     let all: Vec<Vec<DesignValue>> =
         places.iter().map(|place| values_at(inference, place)).collect();
-    let mut known: Vec<Option<ParameterSet>> = Vec::new();
-    for values in &all {
-        known.push(sets.find(values)?);
-    }
+    let known = all.iter().map(|values| sets.find(values)).collect::<Result<Vec<_>, _>>()?;
     let missing = known.iter().zip(&all).filter(|(known, _)| known.is_none());
     // Values that are impossible together give a set without known ends.
     let plans: Vec<Option<Plan>> = missing.map(|(_, values)| plan_of_set(study, values)).collect();

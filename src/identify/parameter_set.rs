@@ -140,7 +140,7 @@ impl<'a> SetFiles<'a> {
 
     /// Returns the runs of a parameter set, if they have been computed before.
     pub(super) fn find(
-        &mut self,
+        &self,
         values: &[DesignValue],
     ) -> Result<Option<ParameterSet>, CommandError> {
         let name = format!("{}.parquet", set_name(self.study, values));
