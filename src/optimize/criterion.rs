@@ -80,11 +80,9 @@ impl Criterion {
                 (sign * mean, deviation)
             })
             .collect();
-        let discounts = self.costs.iter().map(|(quantity, _)| {
-            let error = self.errors.get(*quantity).copied().unwrap_or(0.0);
-            discount(of(*quantity).1, error).ln()
-        });
-        let discount: f64 = discounts.sum();
+        let discount =
+            |(quantity, _): &(usize, f64)| discount(of(*quantity).1, self.errors[*quantity]).ln();
+        let discount: f64 = self.costs.iter().map(discount).sum();
         let value = match (&self.front[..], &costs[..]) {
             ([], _) => met,
             ([best, ..], [cost]) => met + discount + log_expected_improvement(best[0], *cost),

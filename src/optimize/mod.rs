@@ -7,12 +7,12 @@
 //! reported responses come from other and more runs.
 //!
 //! Read `space` first, which has the designs, then `evaluations`, the evaluated designs. `goal` combines the points of
-//! a sweep into one value, says what is sought, and finds the designs that no other one dominates. `process` is a
-//! Gaussian process of a quantity on its own scale, `criterion` says how good a design promises to be, and `proposal`
-//! maximises it. `surrogate` is a smooth approximation of a response. `suggest` and `next_designs` choose designs with
-//! these, and `search` evaluates them. Afterwards `finalists` evaluates the best designs again. `sensitivity` computes,
-//! with `sobol_indices`, how much of the variance each variable explains. `report` writes the result in words, and
-//! `into_directory` runs everything with progress.
+//! a sweep into one value, says what is sought, and finds the designs that no other one dominates. `process` has
+//! Gaussian processes of quantities on their own scales and smooth approximations of responses, `criterion` says how good
+//! a design promises to be, and `proposal` maximises it. `suggest` and `next_designs` choose designs with these, and
+//! `search` evaluates them. Afterwards `finalists` evaluates the best designs again. `sensitivity` computes how much of
+//! the variance each variable explains. `report` writes the result in words, and `into_directory` runs everything with
+//! progress.
 
 mod criterion;
 mod evaluations;
@@ -27,16 +27,13 @@ mod report;
 mod search;
 mod search_directory;
 mod sensitivity;
-mod sobol_indices;
 mod space;
 mod suggest;
-mod surrogate;
 
 pub use evaluations::{Evaluation, read_evaluations};
 pub use finalists::FinalistRole;
 pub use goal::{Goal, pareto_front};
 pub use into_directory::{Optimize, Optimized};
-pub use sensitivity::Sensitivity;
-pub use sobol_indices::{SobolIndex, pick_freeze_sample, sobol_indices};
+pub use process::Surrogate;
+pub use sensitivity::{Sensitivity, SobolIndex, pick_freeze_sample, sobol_indices};
 pub(crate) use space::Space;
-pub use surrogate::Surrogate;

@@ -134,9 +134,7 @@ fn constant(study: &Study, goal: &Goal, evaluations: &[Evaluation]) -> Option<St
     let all = goal.values_of_designs(evaluations);
     goal.objectives.iter().find_map(|(quantity, objective)| {
         let name = &study.responses()[objective.response].name;
-        let values: Vec<Option<f64>> =
-            all.iter().map(|values| values.get(*quantity).copied().flatten()).collect();
-        let known: Vec<f64> = values.iter().copied().flatten().collect();
+        let known: Vec<f64> = all.iter().filter_map(|values| values[*quantity]).collect();
         let count = all.len();
         match known.first() {
             None => {

@@ -6,10 +6,9 @@ use rayon::prelude::*;
 use super::criterion::{Criterion, Prediction};
 use super::evaluations::Evaluation;
 use super::goal::{Goal, by_rank};
-use super::process::{Hyperparameters, Interpolation, QuantityScale, ScaledQuantity};
+use super::process::{Hyperparameters, Interpolation, QuantityScale, ScaledQuantity, table};
 use super::proposal::{DesignValues, by_criterion};
 use super::space::Space;
-use super::surrogate::table;
 use crate::analysis::Estimate;
 
 /// Number of designs whose criterion is computed at a time.
@@ -153,16 +152,12 @@ impl<'a> Proposer<'a> {
         // Designs interpolate their own values, so that their criterion tells which ones are best.
         let mut order: Vec<usize> = (0..self.designs.len()).collect();
         let rank = |index: &usize| {
-            let raw =
-                |quantity: &ScaledQuantity| Some(quantity.scale.raw(*quantity.values.get(*index)?));
+            let raw = |quantity: &ScaledQuantity| Some(quantity.scale.raw(quantity.values[*index]));
             self.goal.rank(&quantities.iter().map(raw).collect::<Vec<_>>())
         };
         order.sort_by(|left, right| by_rank(rank(left), rank(right)));
-        let near: Vec<DesignValues> = order
-            .into_iter()
-            .take(NEAR)
-            .filter_map(|index| self.designs.get(index).cloned())
-            .collect();
+        let near: Vec<DesignValues> =
+            order.into_iter().take(NEAR).map(|index| self.designs[index].clone()).collect();
         by_criterion(self.space, &near, seed, of_all)
     }
 
