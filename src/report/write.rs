@@ -75,15 +75,14 @@ fn is_search(directory: &Path) -> bool {
 
 /// Reads the tables of a search, running or finished.
 fn read_search(directory: &Path) -> Result<OptimumData, CommandError> {
-    let mut attempt = 1;
-    loop {
+    for _ in 1..ATTEMPTS {
         match OptimumData::read(directory) {
             // The search may have replaced a table during the reading.
-            Err(_) if attempt < ATTEMPTS => thread::sleep(BETWEEN),
+            Err(_) => thread::sleep(BETWEEN),
             read => return read,
         }
-        attempt += 1;
     }
+    OptimumData::read(directory)
 }
 
 /// Returns the figures of a directory of results or of a search for print, in reading order; of results, those of all points

@@ -1,7 +1,7 @@
 //! The data of a report, read from the tables of a directory of results in bounded memory. If the study has stages, this
 //! module also computes the motion of a few runs again.
 //!
-//! Read `points` first: the values of a point. `runs`, `cycles`, `time_to_rest` and `drawn_values` read the other tables,
+//! Read `points` first: the values of a point. `runs`, `cycles` and `drawn_values` read the other tables,
 //! `incomplete` has the points without all runs, and `motion` and `run_up` compute runs again. [`ReportData`] combines them.
 
 mod cycles;
@@ -13,12 +13,11 @@ mod observation;
 mod points;
 mod run_up;
 mod runs;
-mod time_to_rest;
 
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-pub use cycles::{CycleFacts, QUANTITIES};
+pub use cycles::{CycleFacts, QUANTITIES, RestCurve};
 pub use drawn_values::{DrawnRuns, DrawnValues};
 pub use incomplete::IncompletePoints;
 pub use motion::SampledMotion;
@@ -26,7 +25,6 @@ pub use names::{NamedPoints, axis_of, heading, said};
 pub use points::{Fraction, PointFacts};
 pub use run_up::{PeakOfRun, SampledRun, SampledRunUps};
 pub use runs::{NotableRun, RunSample, scattered};
-pub use time_to_rest::RestCurve;
 
 use super::chart::{Axis, axis_of_names};
 use crate::classification::Label;
@@ -195,9 +193,9 @@ impl<'a> ReportData<'a> {
         let (runs, notable) = runs::read(study, &tables.runs, &points, &of, budget.runs)?;
         let shown: Vec<u64> = of.iter().map(|point| point.point_id).collect();
         let drawn = drawn_values::read(study, &tables.runs, &of)?;
-        let rest = time_to_rest::read(&tables.rest, &shown, budget.steps)?;
+        let rest = cycles::read_rest(&tables.rest, &shown, budget.steps)?;
         let run_up = tables.run_up(study, &points)?;
-        let cycles = cycles::read(&tables.cycles)?;
+        let cycles = cycles::read_cycles(&tables.cycles)?;
         Ok(ReportData {
             study,
             manifest,
