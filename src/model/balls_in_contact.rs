@@ -7,15 +7,11 @@
 
 use std::any::{Any, TypeId};
 
-use smallvec::SmallVec;
-
-use super::contact_mode::record_contact;
-use super::recorded_balancer::{RecordedGap, equations, record_state};
-use super::system::{DiscSpeed, DrivenDisc, pass_on};
+use super::recorded_balancer::DrivenDisc;
+use super::system::pass_on;
 use super::{
-    Balancer, BallContact, ContactMode, Expression, Friction, Gap, GapEquations, LASTING_APPROACH,
-    Machine, Recorder, RestForms, Structure, System, SystemEquations, Touching, pushes,
-    wrap_to_two_pi,
+    Balancer, BallContact, ContactMode, Friction, Gap, LASTING_APPROACH, Machine, Recorder,
+    RestForms, Structure, System, SystemEquations, Touching, wrap_to_two_pi,
 };
 
 /// A balancer with contact between neighbouring balls.
@@ -55,57 +51,15 @@ impl<const N: usize> BallsInContact<N> {
             gaps,
         })
     }
-
-    /// Returns the gaps between neighbouring balls.
-    pub(super) fn gaps(&self) -> &[Gap] {
-        &self.gaps
-    }
 }
 
-impl<const N: usize> DrivenDisc for BallsInContact<N> {
-    fn record_turning<'r>(
-        &self,
-        recorder: &'r Recorder,
-        turning: impl FnOnce() -> Option<DiscSpeed<'r>>,
-    ) -> SystemEquations<'r> {
-        let state = record_state(recorder);
-        let balancer = self.balancer.record_parameters(recorder, turning());
-        let contacts = std::array::from_fn(|i| {
-            record_contact(recorder, &self.balancer.balls[i].friction, state.beta_dot[i])
-        });
-        let closed: Vec<_> = self.gaps.iter().map(|_| recorder.input("closed")).collect();
-        // Tangential and normal force on the ball behind and on the ball ahead.
-        let pushes: Vec<[[Expression<'r>; 2]; 2]> = self
-            .gaps
-            .iter()
-            .map(|_| [(); 2].map(|()| [(); 2].map(|()| recorder.input("push"))))
-            .collect();
-        let parts = self.gaps.iter().zip(closed).zip(pushes);
-        let gaps: Vec<_> = parts
-            .map(|((gap, closed), pushes)| RecordedGap { contacts: gap.contacts, closed, pushes })
-            .collect();
-        let (forces, gap_forces) = balancer.record_forces(recorder, &state, &contacts, &gaps);
-        let derivative = balancer.derivative(&state, &contacts, &forces);
-        let gaps = self.gaps.iter().zip(&gap_forces).map(|(gap, force)| {
-            let [behind, ahead] = gap.contacts;
-            GapEquations {
-                opening_acceleration: forces.beta_ddot[ahead] - forces.beta_ddot[behind],
-                force: *force,
-            }
-        });
-        let gaps = gaps.collect();
-        SystemEquations { gaps, ..equations(&state, &derivative, &forces, true) }
+impl<const N: usize> DrivenDisc<N> for BallsInContact<N> {
+    fn balancer(&self) -> &Balancer<N> {
+        &self.balancer
     }
 
-    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
-        let mut inputs = self.balancer.inputs_turning(modes, turning);
-        let pushes: SmallVec<[_; 8]> = pushes(&self.gaps, modes).collect();
-        inputs.extend(pushes.iter().map(|pushes| if pushes.is_some() { 1.0 } else { 0.0 }));
-        // Without a force, the pushes do not matter.
-        for (gap, pushes) in self.gaps.iter().zip(&pushes) {
-            inputs.extend(pushes.unwrap_or_else(|| gap.rolling_pushes(0.0)).as_flattened());
-        }
-        inputs
+    fn gaps(&self) -> &[Gap] {
+        &self.gaps
     }
 }
 

@@ -5,7 +5,8 @@
 use std::any::{Any, TypeId};
 use std::sync::Arc;
 
-use super::system::{DiscSpeed, DrivenDisc, pass_on};
+use super::recorded_balancer::{DiscSpeed, DrivenDisc};
+use super::system::pass_on;
 use super::{
     Balancer, BallsInContact, ContactMode, Expression, Friction, Machine, Number, Recorder,
     SPEED_TERMS, Structure, System, SystemEquations, Touching,
@@ -13,7 +14,7 @@ use super::{
 
 /// A balancer whose disc turns with a speed that changes.
 #[derive(Clone, Debug)]
-struct Driven<B> {
+struct Driven<const N: usize, B> {
     /// The balancer at the largest speed of the part, for bounds.
     fastest: B,
     /// The coefficients of the speed over `ω_n`, as a polynomial of the time since the begin of the part.
@@ -40,8 +41,8 @@ impl Machine {
                 }
             })
         }
-        fn turning(
-            fastest: impl DrivenDisc + 'static,
+        fn turning<const N: usize>(
+            fastest: impl DrivenDisc<N> + 'static,
             speed: Option<[f64; SPEED_TERMS]>,
         ) -> Arc<dyn System> {
             match speed {
@@ -72,7 +73,7 @@ fn polynomial<T: Number>(coefficients: &[T], at: T) -> [T; 2] {
     })
 }
 
-impl<B: DrivenDisc> System for Driven<B> {
+impl<const N: usize, B: DrivenDisc<N>> System for Driven<N, B> {
     fn record<'r>(&self, recorder: &'r Recorder) -> SystemEquations<'r> {
         let turning = || {
             let time = recorder.state();

@@ -110,9 +110,9 @@ impl Elementary for Dual {
     }
 }
 
-impl<const N: usize, const FREE: usize> State<N, f64, FREE> {
+impl<const N: usize> State<N> {
     /// Returns this state, moving along a direction.
-    pub fn along(&self, direction: &Self) -> State<N, Dual, FREE> {
+    pub fn along(&self, direction: &Self) -> State<N, Dual> {
         let dual = |value: f64, slope: f64| Dual { value, slope };
         State {
             position: std::array::from_fn(|i| dual(self.position[i], direction.position[i])),
@@ -123,9 +123,9 @@ impl<const N: usize, const FREE: usize> State<N, f64, FREE> {
     }
 }
 
-impl<const N: usize, const FREE: usize> State<N, Dual, FREE> {
+impl<const N: usize> State<N, Dual> {
     /// The direction in which the state moves.
-    pub fn slope(&self) -> State<N, f64, FREE> {
+    pub fn slope(&self) -> State<N> {
         State {
             position: self.position.map(|number| number.slope),
             velocity: self.velocity.map(|number| number.slope),

@@ -31,11 +31,11 @@ use super::{Balancer, BalancerBall, Contact, Number, State};
 
 /// Accelerations and contact forces in one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forces<const N: usize, T = f64, const FREE: usize = 2> {
+pub struct Forces<const N: usize, T = f64> {
     /// Absolute acceleration `(a_x, a_y)` of the ring's centre, resolved in the turning frame: that of the table, if the ring
     /// has no runout.
-    pub table_acceleration: [T; FREE],
-    /// Angular acceleration `β̈` of each ball relative to the ring; acceleration of a block.
+    pub table_acceleration: [T; 2],
+    /// Angular acceleration `β̈` of each ball relative to the ring.
     pub beta_ddot: [T; N],
     /// Normal force on each contact, compression positive.
     pub normal: [T; N],

@@ -3,51 +3,100 @@
 
 use std::any::{Any, TypeId};
 
+use smallvec::SmallVec;
+
 use super::contact_mode::{add_contact_inputs, record_contact};
-use super::system::{DiscSpeed, DrivenDisc, stiff_rate};
+use super::system::stiff_rate;
 use super::{
     Balancer, BalancerBall, Contact, ContactEquations, ContactLayout, ContactMode, Expression,
-    Forces, Friction, Number, Recorder, RestForms, State, StateLayout, Structure, System,
-    SystemEquations,
+    Forces, Friction, Gap, GapEquations, Number, Recorder, RestForms, State, StateLayout,
+    Structure, System, SystemEquations, pushes,
 };
 
-pub(super) fn equations<'r, const N: usize, const FREE: usize>(
-    state: &State<N, Expression<'r>, FREE>,
-    derivative: &State<N, Expression<'r>, FREE>,
-    forces: &Forces<N, Expression<'r>, FREE>,
-    angular: bool,
-) -> SystemEquations<'r> {
-    let State { position, velocity, beta, beta_dot } = *derivative;
-    let components = position.into_iter().chain(velocity).chain(beta).chain(beta_dot);
-    let contact = |i: usize| ContactEquations {
-        sliding_speed: state.beta_dot[i],
-        sliding_acceleration: forces.beta_ddot[i],
-        normal: forces.normal[i],
-        friction: forces.friction[i],
-    };
-    // The direction of the free coordinates' velocity is arbitrary: one group.
-    let free = (FREE..2 * FREE).collect::<Vec<_>>();
-    let speeds = (2 * FREE + N..2 * (FREE + N)).map(|speed| vec![speed]);
-    let layout = StateLayout {
-        contacts: (0..N).map(|i| ContactLayout { position: 2 * FREE + i, angular }).collect(),
-        velocities: (FREE > 0).then_some(free).into_iter().chain(speeds).collect(),
-        vibration: (FREE == 2).then_some([0, 1]),
-        ..StateLayout::default()
-    };
-    SystemEquations {
-        derivative: components.collect(),
-        contacts: (0..N).map(contact).collect(),
-        events: Vec::new(),
-        gaps: Vec::new(),
-        openings: Vec::new(),
-        layout,
+/// Speed and acceleration of the disc in recorded equations.
+#[derive(Clone, Copy)]
+pub(super) struct DiscSpeed<'r> {
+    pub(super) speed: Expression<'r>,
+    pub(super) acceleration: Expression<'r>,
+}
+
+/// A balancer with or without contact between its balls, whose disc may turn with a speed that changes.
+pub(super) trait DrivenDisc<const N: usize>: System + Clone {
+    /// Returns the balancer without contact between balls.
+    fn balancer(&self) -> &Balancer<N>;
+
+    /// Returns the gaps between neighbouring balls; none without contact.
+    fn gaps(&self) -> &[Gap];
+
+    /// Records the equations at constant speed, or with what `turning` returns. `turning` is called when the components of
+    /// the state are recorded, and may record another one.
+    fn record_turning<'r>(
+        &self,
+        recorder: &'r Recorder,
+        turning: impl FnOnce() -> Option<DiscSpeed<'r>>,
+    ) -> SystemEquations<'r> {
+        let state = record_state(recorder);
+        let balancer = self.balancer().record_parameters(recorder, turning());
+        let contacts = std::array::from_fn(|i| {
+            record_contact(recorder, &balancer.balls[i].friction, state.beta_dot[i])
+        });
+        let closed: Vec<_> = self.gaps().iter().map(|_| recorder.input("closed")).collect();
+        let gaps = self.gaps().iter().zip(closed).map(|(gap, closed)| {
+            let pushes = [(); 2].map(|()| [(); 2].map(|()| recorder.input("push")));
+            RecordedGap { contacts: gap.contacts, closed, pushes }
+        });
+        let gaps: Vec<_> = gaps.collect();
+        let (forces, gap_forces) = balancer.record_forces(recorder, &state, &contacts, &gaps);
+        let State { position, velocity, beta, beta_dot } =
+            balancer.derivative(&state, &contacts, &forces);
+        let components = position.into_iter().chain(velocity).chain(beta).chain(beta_dot);
+        let contact = |i: usize| ContactEquations {
+            sliding_speed: state.beta_dot[i],
+            sliding_acceleration: forces.beta_ddot[i],
+            normal: forces.normal[i],
+            friction: forces.friction[i],
+        };
+        let gap = |(gap, force): (&RecordedGap<'r>, Expression<'r>)| {
+            let [behind, ahead] = gap.contacts.map(|ball| forces.beta_ddot[ball]);
+            GapEquations { opening_acceleration: ahead - behind, force }
+        };
+        // The direction of the table's velocity is arbitrary: one group.
+        let speeds = (4 + N..4 + 2 * N).map(|speed| vec![speed]);
+        let layout = StateLayout {
+            contacts: (4..4 + N)
+                .map(|position| ContactLayout { position, angular: true })
+                .collect(),
+            velocities: std::iter::once(vec![2, 3]).chain(speeds).collect(),
+            vibration: Some([0, 1]),
+            ..StateLayout::default()
+        };
+        SystemEquations {
+            derivative: components.collect(),
+            contacts: (0..N).map(contact).collect(),
+            gaps: gaps.iter().zip(gap_forces).map(gap).collect(),
+            layout,
+            ..SystemEquations::default()
+        }
+    }
+
+    /// Returns the values of the inputs without those that `turning` records.
+    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
+        let mut inputs = self.balancer().parameter_inputs(turning);
+        for (ball, mode) in self.balancer().balls.iter().zip(modes) {
+            add_contact_inputs(&mut inputs, *mode, &ball.friction);
+        }
+        let pushes: SmallVec<[_; 8]> = pushes(self.gaps(), modes).collect();
+        inputs.extend(pushes.iter().map(|pushes| if pushes.is_some() { 1.0 } else { 0.0 }));
+        // Without a force, the pushes do not matter.
+        for (gap, pushes) in self.gaps().iter().zip(&pushes) {
+            inputs.extend(pushes.unwrap_or_else(|| gap.rolling_pushes(0.0)).as_flattened());
+        }
+        inputs
     }
 }
 
 /// The components of the state, in the order position, velocity, contacts' positions, contacts' speeds.
-pub(super) fn record_state<const N: usize, const FREE: usize>(
-    recorder: &Recorder,
-) -> State<N, Expression<'_>, FREE> {
+fn record_state<const N: usize>(recorder: &Recorder) -> State<N, Expression<'_>> {
     State {
         position: std::array::from_fn(|_| recorder.state()),
         velocity: std::array::from_fn(|_| recorder.state()),
@@ -58,7 +107,7 @@ pub(super) fn record_state<const N: usize, const FREE: usize>(
 
 impl<const N: usize> Balancer<N> {
     /// Records the parameters as inputs, whose values [`Balancer::parameter_inputs`] returns.
-    pub(super) fn record_parameters<'r>(
+    fn record_parameters<'r>(
         &self,
         recorder: &'r Recorder,
         turning: Option<DiscSpeed<'r>>,
@@ -99,7 +148,7 @@ impl<const N: usize> Balancer<N> {
     }
 
     /// Returns the values of the inputs of the parameters; if `turning`, of a disc whose speed changes.
-    pub(super) fn parameter_inputs(&self, turning: bool) -> Vec<f64> {
+    fn parameter_inputs(&self, turning: bool) -> Vec<f64> {
         // The inputs of contacts and of gaps follow.
         let mut inputs = Vec::with_capacity(5 + 20 * N);
         inputs.extend_from_slice(&[self.speed, self.damping_ratio, self.imbalance]);
@@ -116,19 +165,19 @@ impl<const N: usize> Balancer<N> {
 }
 
 /// A gap between two balls whose force is an unknown of the equations of motion.
-pub(super) struct RecordedGap<'r> {
+struct RecordedGap<'r> {
     /// The ball behind and the ball ahead.
-    pub(super) contacts: [usize; 2],
+    contacts: [usize; 2],
     /// 1 if it is closed, else 0.
-    pub(super) closed: Expression<'r>,
+    closed: Expression<'r>,
     /// Tangential and normal force on each ball, over its mass, by a unit of the force.
-    pub(super) pushes: [[Expression<'r>; 2]; 2],
+    pushes: [[Expression<'r>; 2]; 2],
 }
 
 impl<'r, const N: usize> Balancer<N, Expression<'r>> {
     /// Records the accelerations of the balls and of the table and the forces in gaps as unknowns of one linear system. Returns
     /// the forces that follow from them, and those in the gaps.
-    pub(super) fn record_forces(
+    fn record_forces(
         &self,
         recorder: &'r Recorder,
         state: &State<N, Expression<'r>>,
@@ -208,27 +257,13 @@ impl<'r, const N: usize> Balancer<N, Expression<'r>> {
     }
 }
 
-impl<const N: usize> DrivenDisc for Balancer<N> {
-    fn record_turning<'r>(
-        &self,
-        recorder: &'r Recorder,
-        turning: impl FnOnce() -> Option<DiscSpeed<'r>>,
-    ) -> SystemEquations<'r> {
-        let state = record_state(recorder);
-        let balancer = self.record_parameters(recorder, turning());
-        let contacts = std::array::from_fn(|i| {
-            record_contact(recorder, &self.balls[i].friction, state.beta_dot[i])
-        });
-        let (forces, _) = balancer.record_forces(recorder, &state, &contacts, &[]);
-        equations(&state, &balancer.derivative(&state, &contacts, &forces), &forces, true)
+impl<const N: usize> DrivenDisc<N> for Balancer<N> {
+    fn balancer(&self) -> &Balancer<N> {
+        self
     }
 
-    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64> {
-        let mut inputs = self.parameter_inputs(turning);
-        for (ball, mode) in self.balls.iter().zip(modes) {
-            add_contact_inputs(&mut inputs, *mode, &ball.friction);
-        }
-        inputs
+    fn gaps(&self) -> &[Gap] {
+        &[]
     }
 }
 

@@ -1,6 +1,7 @@
 //! Closed forms for balls at rest that may touch: the forces between them help friction to hold them, or hinder it.
 
 use super::certificate::{disturbance_bound, followed_to_rest};
+use super::recorded_balancer::DrivenDisc;
 use super::{
     BallsInContact, Gap, HeldContact, RestAmplitude, RestForms, RestPoint, State, held,
     least_force, strength_that_holds,

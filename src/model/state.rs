@@ -7,29 +7,24 @@ use super::Number;
 /// The components of a state, or of its rate of change, in the order in which the system records them.
 pub type Components = SmallVec<[f64; 20]>;
 
-/// Positions and velocities, non-dimensional: of the `FREE` coordinates that no friction acts on,
-/// and of `N` contacts.
-///
-/// In the balancer the free coordinates are the ring's centre in the frame that turns with the
-/// disc, and the contacts are the balls.
+/// Positions and velocities, non-dimensional: of the disc in the frame that turns with it, and of `N` balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<const N: usize, T = f64, const FREE: usize = 2> {
+pub struct State<const N: usize, T = f64> {
     /// The centre of the disc `(x, y)`, which is that of the ring if it has no runout.
-    pub position: [T; FREE],
+    pub position: [T; 2],
     /// Its velocity `(ẋ, ẏ)`.
-    pub velocity: [T; FREE],
-    /// Angle of each ball from the imbalance, rad; position of a block.
+    pub velocity: [T; 2],
+    /// Angle of each ball from the imbalance, rad.
     pub beta: [T; N],
-    /// Sliding speed of each contact: of a ball relative to the ring, of a block relative to its
-    /// support.
+    /// Sliding speed of each ball relative to the ring.
     pub beta_dot: [T; N],
 }
 
-impl<const N: usize, T: Number, const FREE: usize> State<N, T, FREE> {
+impl<const N: usize, T: Number> State<N, T> {
     /// Adds `factor` times another state, component by component.
     #[inline]
     pub fn add_scaled(&mut self, factor: T, other: &Self) {
-        for axis in 0..FREE {
+        for axis in 0..2 {
             self.position[axis] = self.position[axis] + factor * other.position[axis];
             self.velocity[axis] = self.velocity[axis] + factor * other.velocity[axis];
         }
@@ -43,25 +38,20 @@ impl<const N: usize, T: Number, const FREE: usize> State<N, T, FREE> {
     #[inline]
     pub fn zero() -> Self {
         let zero = T::constant(0.0);
-        State {
-            position: [zero; FREE],
-            velocity: [zero; FREE],
-            beta: [zero; N],
-            beta_dot: [zero; N],
-        }
+        State { position: [zero; 2], velocity: [zero; 2], beta: [zero; N], beta_dot: [zero; N] }
     }
 }
 
 /// The number of components without an allocation: those of a balancer with eight balls.
 const INLINE: usize = 20;
 
-impl<const N: usize, const FREE: usize> State<N, f64, FREE> {
+impl<const N: usize> State<N> {
     /// Returns the components in the order of a recorded system.
     pub fn components(&self) -> Components {
         let parts = [&self.position[..], &self.velocity, &self.beta, &self.beta_dot];
         // A buffer is filled by plain copies.
         let mut buffer = [0.0; INLINE];
-        let length = 2 * (FREE + N);
+        let length = 2 * (2 + N);
         if length > INLINE {
             return parts.concat().into();
         }

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::{
-    Components, ContactMode, Expression, Friction, Gap, Graph, PerStructure, Recorder, Structure,
+    Components, ContactMode, Friction, Gap, Graph, PerStructure, Recorder, Structure,
     SystemEquations,
 };
 
@@ -214,27 +214,6 @@ impl System for Recorded {
     fn as_any(&self) -> &dyn Any {
         self
     }
-}
-
-/// Speed and acceleration of the disc in recorded equations.
-#[derive(Clone, Copy)]
-pub(super) struct DiscSpeed<'r> {
-    pub(super) speed: Expression<'r>,
-    pub(super) acceleration: Expression<'r>,
-}
-
-/// A system whose disc may turn with a speed that changes.
-pub(super) trait DrivenDisc: System + Clone {
-    /// Records the equations at constant speed, or with what `turning` returns. `turning` is called when the components of
-    /// the state are recorded, and may record another one.
-    fn record_turning<'r>(
-        &self,
-        recorder: &'r Recorder,
-        turning: impl FnOnce() -> Option<DiscSpeed<'r>>,
-    ) -> SystemEquations<'r>;
-
-    /// Returns the values of the inputs without those that `turning` records.
-    fn inputs_turning(&self, modes: &[ContactMode], turning: bool) -> Vec<f64>;
 }
 
 /// The speed of approach below which contact lasts: a ten-thousandth of a typical speed of running balls.

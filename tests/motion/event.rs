@@ -59,7 +59,7 @@ fn break_away_within_rounding() {
                 assert_eq!(motion.phases(), [expected, Phase::Stick], "{seed}: {far:e}");
                 go_on(&mut motion, 1e-3);
                 assert!(difference(&motion, &reference) < 1e-12, "{seed}");
-                let speed = direction * state_of::<2, 2>(&motion).beta_dot[0];
+                let speed = direction * state_of::<2>(&motion).beta_dot[0];
                 assert!(if rate > 0.0 { speed == 0.0 } else { speed > 0.0 }, "{seed}: {speed:e}");
             }
             // Outside of rounding the value decides, not the rate.
@@ -101,7 +101,7 @@ fn creep_does_not_chatter() {
                     let effort = motion.effort();
                     let few = effort.switches < most && effort.steps < 30_000;
                     assert!(few, "{offset:e}: {effort:?}");
-                    let then = state_of::<2, 2>(&motion);
+                    let then = state_of::<2>(&motion);
                     assert_eq!(then.beta[0].to_bits(), then.beta[1].to_bits());
                     // From the other edges they leave permanently once they are outside.
                     *creeping += i32::from((motion.unwrapped()[0] - beta[0]).abs() < 0.1);
@@ -225,14 +225,14 @@ fn reversal_is_one_switch() {
                 continue;
             }
             reversed += 1;
-            assert_eq!((motion.effort().switches, state_of::<2, 2>(&motion).beta_dot[0]), (1, 0.0));
+            assert_eq!((motion.effort().switches, state_of::<2>(&motion).beta_dot[0]), (1, 0.0));
             assert!(motion.now().forces[0].acceleration < 0.0);
             let time = motion.time();
             // The next step starts from speed zero: a condition that rises through zero is not an
             // event.
             assert_eq!(motion.advance(time + 1e-3), Ok(false));
             assert_eq!((motion.time(), motion.effort().switches), (time + 1e-3, 1));
-            assert!(state_of::<2, 2>(&motion).beta_dot[0] < 0.0);
+            assert!(state_of::<2>(&motion).beta_dot[0] < 0.0);
         }
     }
     assert!(reversed > 60, "{reversed}");

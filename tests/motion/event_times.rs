@@ -97,7 +97,7 @@ fn stops_are_located_to_1e_12() {
             let error = motion.time() - expected;
             let allowed = 1e-12 + (HALF_WIDTH + 1e-14) / rate.abs();
             assert!(error.abs() < allowed, "{seed}: {error:e}, rate {rate:e}");
-            let State { beta_dot, .. } = state_of::<2, 2>(&motion);
+            let State { beta_dot, .. } = state_of::<2>(&motion);
             assert!(beta_dot.contains(&0.0), "exactly at rest or turning");
             located += 1;
         }
@@ -160,7 +160,7 @@ fn two_events_in_one_step_may_come_in_either_order() {
         (state.beta, state.beta_dot) = ([state.beta[0]; 2], [speed; 2]);
         for (kernel, system) in for_each_kernel(balancer).into_iter().enumerate() {
             let together = moved(&system, tight(), state, 4.0);
-            let angles = state_of::<2, 2>(&together).beta;
+            let angles = state_of::<2>(&together).beta;
             assert_eq!(angles[0].to_bits(), angles[1].to_bits());
             assert_eq!(
                 together.last_switches()[0].to_bits(),
@@ -176,7 +176,7 @@ fn two_events_in_one_step_may_come_in_either_order() {
                     assert!(off < 1e-10 + 100.0 * apart, "{seed}: {off:e} from {apart:e}");
                     end
                 });
-                let [first, second] = ends.each_ref().map(state_of::<2, 2>);
+                let [first, second] = ends.each_ref().map(state_of::<2>);
                 let pairs =
                     [(first.beta[0], second.beta[1]), (first.beta_dot[1], second.beta_dot[0])];
                 for (found, expected) in pairs {

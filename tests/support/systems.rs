@@ -39,17 +39,17 @@ pub fn go_on(motion: &mut Motion, until: f64) -> Effort {
     motion.effort()
 }
 
-/// Starts a motion of a balancer or, with `FREE` 0, of a block.
-pub fn started<const N: usize, const FREE: usize>(
+/// Starts a motion of a balancer.
+pub fn started<const N: usize>(
     system: &Arc<dyn System>,
     settings: Settings,
-    state: &State<N, f64, FREE>,
+    state: &State<N>,
 ) -> Motion {
     Motion::new(system, settings, &state.components()).expect("starts")
 }
 
-/// Returns the present state of a motion of a balancer or, with `FREE` 0, of a block.
-pub fn state_of<const N: usize, const FREE: usize>(motion: &Motion) -> State<N, f64, FREE> {
+/// Returns the present state of a motion of a balancer.
+pub fn state_of<const N: usize>(motion: &Motion) -> State<N> {
     State::of_components(&motion.state()).expect("as many components")
 }
 

@@ -7,10 +7,7 @@ use stickslip::model::{Number, State};
 
 use super::dop853_tableau::{SOLUTION, STAGES, Term};
 
-fn combine<const N: usize, T: Number, const FREE: usize>(
-    terms: &[Term],
-    stages: &[State<N, T, FREE>],
-) -> State<N, T, FREE> {
+fn combine<const N: usize, T: Number>(terms: &[Term], stages: &[State<N, T>]) -> State<N, T> {
     let mut sum = State::zero();
     for &(stage, coefficient) in terms {
         sum.add_scaled(T::constant(coefficient), &stages[stage]);
@@ -19,11 +16,11 @@ fn combine<const N: usize, T: Number, const FREE: usize>(
 }
 
 /// Returns the state after a step of order 8.
-pub fn step<const N: usize, T: Number, const FREE: usize>(
-    derivative: impl Fn(&State<N, T, FREE>) -> State<N, T, FREE>,
-    start: &State<N, T, FREE>,
+pub fn step<const N: usize, T: Number>(
+    derivative: impl Fn(&State<N, T>) -> State<N, T>,
+    start: &State<N, T>,
     length: T,
-) -> State<N, T, FREE> {
+) -> State<N, T> {
     let mut stages = [derivative(start); 12];
     for (index, terms) in STAGES.iter().enumerate() {
         let mut state = *start;
