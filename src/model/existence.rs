@@ -137,11 +137,6 @@ impl Machine {
 }
 
 impl<const N: usize> Balancer<N> {
-    /// Whether stick and slip are always decided in exactly one way. See [`Machine::existence`].
-    pub fn existence(&self) -> ExistenceVerdict {
-        verdict(&self.couplings())
-    }
-
     /// Returns whether the simple bound `Σ g (1 + sqrt(1 + μ²)) < 2` proves that there is always
     /// exactly one solution, at negligible cost.
     #[inline]

@@ -208,7 +208,6 @@ fn worst_position_of_two_balls() {
         let machine = extreme(&mut draws, 2, 5.0);
         let balancer = Balancer::<2>::new(&machine).unwrap();
         let verdict = machine.existence();
-        assert!((verdict.least_minor() - balancer.existence().least_minor()).abs() < 1e-12);
         let at = |i: i32| balancer.least_minor_at(&[1.0, 1.0 + 1e-3 * f64::from(i)]);
         let scanned = (0..6284).map(at).fold(f64::INFINITY, f64::min);
         let difference = scanned - verdict.least_minor();
