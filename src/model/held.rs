@@ -48,23 +48,9 @@ const MOST_FORCE: f64 = 1e9;
 /// force; `None` if no forces hold them.
 pub fn least_force(contacts: &[HeldContact], gaps: &[Gap]) -> Option<f64> {
     let holds = |most: f64| held_by_at_most(most, contacts, gaps).reserve >= 0.0;
-    if holds(0.0) {
-        return Some(0.0);
-    }
     let needed = contacts.iter().map(|contact| contact.friction.abs()).sum::<f64>();
     let scale = needed * gaps.iter().map(Gap::reduced_mass).fold(0.0, f64::max);
-    let (mut low, mut high) = (0.0, scale);
-    while !holds(high) {
-        (low, high) = (high, 2.0 * high);
-        if high.is_nan() || high > MOST_FORCE * scale {
-            return None;
-        }
-    }
-    while high - low > FORCE_ACCURACY * high {
-        let middle = 0.5 * (low + high);
-        (low, high) = if holds(middle) { (low, middle) } else { (middle, high) };
-    }
-    Some(high)
+    smallest(scale, MOST_FORCE * scale, FORCE_ACCURACY, holds)
 }
 
 /// Accuracy of the strength of friction that holds contacts.
@@ -94,17 +80,23 @@ pub fn strength_that_holds(contacts: &[HeldContact], gaps: &[Gap]) -> f64 {
 /// Returns the smallest factor on the coefficients of friction with which contacts hold, up to `most`; `None` if they do not hold
 /// with this one.
 pub fn least_strength(most: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
+    smallest(1.0, most, STRENGTH_ACCURACY, holds)
+}
+
+/// Returns the smallest number with which something holds, to an accuracy over the number; `None` if it does not hold with `most`.
+/// Unless it holds with 0, the search begins at `first`.
+fn smallest(first: f64, most: f64, accuracy: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
     if holds(0.0) {
         return Some(0.0);
     }
-    let (mut low, mut high) = (0.0, 1.0_f64);
+    let (mut low, mut high) = (0.0, first);
     while !holds(high) {
         (low, high) = (high, 2.0 * high);
-        if high > most {
+        if high.is_nan() || high > most {
             return None;
         }
     }
-    while high - low > STRENGTH_ACCURACY * high {
+    while high - low > accuracy * high {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
             break;
