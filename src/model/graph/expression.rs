@@ -2,6 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::part::needed_by;
 use super::{Node, NodeId, Recorder};
 use crate::model::{Function, Number};
 
@@ -195,14 +196,7 @@ impl Recorder {
         let rates: Vec<(NodeId, Expression<'r>)> =
             rates.iter().map(|(component, rate)| (component.id(self), *rate)).collect();
         let nodes = self.nodes_until(last);
-        let mut is_needed = vec![false; nodes.len()];
-        is_needed[last as usize] = true;
-        for (place, node) in nodes.iter().enumerate().rev() {
-            let is_unknown = matches!(node, Node::Solution { .. });
-            if is_needed[place] && !is_unknown {
-                node.operands(&[]).iter().for_each(|operand| is_needed[*operand as usize] = true);
-            }
-        }
+        let is_needed = needed_by(&nodes, &self.0.borrow().solves, [last]);
         // The operands of a node stand before it; the nodes of the derivative are added behind all of them.
         let mut changes = vec![zero; nodes.len()];
         for (place, node) in (0..).zip(nodes).filter(|(place, _)| is_needed[*place as usize]) {
