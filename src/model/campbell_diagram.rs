@@ -35,7 +35,7 @@ impl CampbellDiagram {
         let computed = |speed_rad_s: f64| {
             let mut changed = own_model.clone();
             *changed.number_mut(speed)? = own_speed.signum() * speed_rad_s;
-            let equations = changed.own().small_motions(&changed);
+            let equations = changed.own_kind.small_motions(&changed);
             equations.held.or(equations.free)
         };
         let at_own = computed(own_speed.abs())?;

@@ -85,7 +85,7 @@ impl Model {
                 self.kind().parameters.iter().find(|parameter| parameter.name == "speed_rad_s")
             }
             Model::Own(model) => {
-                model.own().speed_place().map(|place| &self.kind().parameters[place])
+                model.own_kind.speed_place().map(|place| &self.kind().parameters[place])
             }
         }
     }
@@ -95,7 +95,7 @@ impl Model {
         match self {
             Model::BallBalancer(machine) => Some(machine.disc_motion()),
             Model::Own(model) => {
-                let speed_rad_s = model.values()[model.own().speed_place()?];
+                let speed_rad_s = model.values()[model.own_kind.speed_place()?];
                 Some(DiscMotion::new(model.speed_profile.as_ref(), speed_rad_s))
             }
         }
@@ -105,7 +105,7 @@ impl Model {
     pub fn given_motions(&self) -> Vec<&GivenMotion> {
         match self {
             Model::BallBalancer(_) => Vec::new(),
-            Model::Own(model) => model.own().motions(),
+            Model::Own(model) => model.own_kind.motions(),
         }
     }
 

@@ -18,18 +18,27 @@ pub(super) fn invalid(name: &str, found: &str, allowed: &'static str) -> Invalid
     InvalidParameter { name: name.to_owned(), found: found.to_owned(), allowed }
 }
 
-pub(super) fn positive(name: &str, value: f64) -> Result<(), InvalidParameter> {
-    if value.is_finite() && value > 0.0 {
-        Ok(())
-    } else {
-        Err(invalid(name, &value.to_string(), "a positive, finite number"))
+/// Returns an error unless a value is finite and allowed.
+fn checked(
+    name: &str,
+    value: f64,
+    is_allowed: bool,
+    allowed: &'static str,
+) -> Result<(), InvalidParameter> {
+    match value.is_finite() && is_allowed {
+        true => Ok(()),
+        false => Err(invalid(name, &value.to_string(), allowed)),
     }
 }
 
+pub(super) fn positive(name: &str, value: f64) -> Result<(), InvalidParameter> {
+    checked(name, value, value > 0.0, "a positive, finite number")
+}
+
 pub(super) fn not_negative(name: &str, value: f64) -> Result<(), InvalidParameter> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(())
-    } else {
-        Err(invalid(name, &value.to_string(), "a finite number, zero or more"))
-    }
+    checked(name, value, value >= 0.0, "a finite number, zero or more")
+}
+
+pub(super) fn finite(name: &str, value: f64) -> Result<(), InvalidParameter> {
+    checked(name, value, true, "a finite number")
 }

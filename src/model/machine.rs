@@ -7,7 +7,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
+use super::invalid_parameter::{InvalidParameter, finite, invalid, not_negative, positive};
 use super::parameter_name::member_name;
 use super::{BallContact, Friction, FrictionLaw, SlidingSpeed, SpeedProfile};
 
@@ -172,26 +172,16 @@ impl Machine {
         if balls == 0 || balls > MAX_BALLS {
             return Err(invalid("balls", &balls.to_string(), "between 1 and 8"));
         }
-        for (name, value) in [
-            ("table_mass_kg", self.table_mass_kg),
-            ("stiffness_n_m", self.stiffness_n_m),
-            ("ring_radius_m", self.ring_radius_m),
-            ("imbalance_radius_m", self.imbalance_radius_m),
-        ] {
-            positive(name, value)?;
-        }
+        positive("table_mass_kg", self.table_mass_kg)?;
+        positive("stiffness_n_m", self.stiffness_n_m)?;
+        positive("ring_radius_m", self.ring_radius_m)?;
+        positive("imbalance_radius_m", self.imbalance_radius_m)?;
         self.imbalance_kg_m.map_or(Ok(()), |product| not_negative("imbalance_kg_m", product))?;
         not_negative("imbalance_mass_kg", self.imbalance_mass_kg)?;
         not_negative("damping_n_s_m", self.damping_n_s_m)?;
         not_negative("ring_runout_m", self.ring_runout_m)?;
-        for (name, value) in [
-            ("ring_runout_angle_rad", self.ring_runout_angle_rad),
-            ("speed_rad_s", self.speed_rad_s),
-        ] {
-            if !value.is_finite() {
-                return Err(invalid(name, &value.to_string(), "a finite number"));
-            }
-        }
+        finite("ring_runout_angle_rad", self.ring_runout_angle_rad)?;
+        finite("speed_rad_s", self.speed_rad_s)?;
         for (number, ball) in (1..).zip(&self.balls) {
             // The names of a ball's parameters are composed for errors only.
             let of_ball = |unit: &'static str| {
@@ -267,11 +257,6 @@ impl Kick {
     fn validate(&self, number: usize) -> Result<(), InvalidParameter> {
         positive(&member_name("kick_at_s", "s", number), self.at_s)?;
         not_negative(&member_name("kick_speed_m_s", "m/s", number), self.speed_m_s)?;
-        let direction = self.direction_rad;
-        if direction.is_finite() {
-            return Ok(());
-        }
-        let name = member_name("kick_direction_rad", "rad", number);
-        Err(invalid(&name, &direction.to_string(), "a finite number"))
+        finite(&member_name("kick_direction_rad", "rad", number), self.direction_rad)
     }
 }

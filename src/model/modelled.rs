@@ -117,14 +117,14 @@ impl Model {
             Model::BallBalancer(machine) => {
                 Some(machine.drawing(&self.gaps(start).unwrap_or_default()))
             }
-            Model::Own(model) => model.own().drawing(model),
+            Model::Own(model) => model.own_kind.drawing(model),
         }
     }
 
     pub(super) fn system_in_order(&self, angles: &[f64]) -> Option<Arc<dyn System>> {
         match self {
             Model::BallBalancer(machine) => machine.driven(angles, None::<[f64; SPEED_TERMS]>),
-            Model::Own(model) => Some(model.own().system(model)),
+            Model::Own(model) => Some(model.own_kind.system(model)),
         }
     }
 
@@ -151,7 +151,7 @@ impl Model {
     pub fn coordinates(&self) -> Vec<Coordinate> {
         match self {
             Model::BallBalancer(machine) => machine.coordinates(),
-            Model::Own(model) => model.own().coordinates(model),
+            Model::Own(model) => model.own_kind.coordinates(model),
         }
     }
 
@@ -159,14 +159,14 @@ impl Model {
     pub fn units(&self) -> Units {
         match self {
             Model::BallBalancer(machine) => machine.units(),
-            Model::Own(model) => model.own().units(model),
+            Model::Own(model) => model.own_kind.units(model),
         }
     }
 
     /// Returns the number of coordinates of a start state.
     pub fn coordinate_count(&self) -> usize {
         match self {
-            Model::Own(model) => model.own().coordinate_count(model),
+            Model::Own(model) => model.own_kind.coordinate_count(model),
             Model::BallBalancer(machine) => 4 + 2 * machine.balls.len(),
         }
     }
@@ -183,7 +183,7 @@ impl Model {
                 Some([position, velocity, beta, beta_dot].concat().into())
             }
             (Model::Own(model), values) if values.len() == self.coordinate_count() => {
-                Some(model.own().start_state(model, values))
+                Some(model.own_kind.start_state(model, values))
             }
             _ => None,
         }
@@ -210,7 +210,7 @@ impl Model {
     pub fn own_version(&self) -> Option<u32> {
         match self {
             Model::BallBalancer(_) => None,
-            Model::Own(model) => Some(model.own().version()),
+            Model::Own(model) => Some(model.own_kind.version()),
         }
     }
 
@@ -239,7 +239,7 @@ impl Model {
     pub fn friction_mut(&mut self) -> &mut FrictionLaw {
         match self {
             Model::BallBalancer(machine) => &mut machine.friction,
-            Model::Own(model) => model.friction_mut(),
+            Model::Own(model) => &mut model.friction,
         }
     }
 
@@ -255,14 +255,14 @@ impl Model {
     pub fn natural_frequency_rad_s(&self) -> f64 {
         match self {
             Model::BallBalancer(machine) => machine.natural_frequency_rad_s(),
-            Model::Own(model) => model.own().units(model).natural_rad_s,
+            Model::Own(model) => model.own_kind.units(model).natural_rad_s,
         }
     }
 
     /// Returns the natural frequencies that people read: of a ball balancer, that of its suspension.
     pub fn natural_frequencies(&self) -> NaturalFrequencies {
         match self {
-            Model::Own(model) => model.own().small_motions(model).natural_frequencies(),
+            Model::Own(model) => model.own_kind.small_motions(model).natural_frequencies(),
             Model::BallBalancer(machine) => NaturalFrequencies {
                 held_rad_s: None,
                 free_rad_s: Some(vec![machine.natural_frequency_rad_s()]),
@@ -291,7 +291,7 @@ impl Model {
                 friction.map(|friction| friction.damping_rate(weight)).fold(0.0, f64::max)
             }
             Model::Own(model) => {
-                let system = model.own().system(model);
+                let system = model.own_kind.system(model);
                 let friction = (0..system.contacts()).map(|contact| system.friction(contact));
                 friction.map(|friction| friction.damping_rate(1.0)).fold(0.0, f64::max)
             }

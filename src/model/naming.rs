@@ -7,7 +7,7 @@ impl Model {
     /// Returns what results call a contact, counted from 0; a ball has its number.
     fn contact_names(&self, contact: usize) -> ContactNames {
         let names = match self {
-            Model::Own(model) => model.own().contact_names(model).into_iter().nth(contact),
+            Model::Own(model) => model.own_kind.contact_names(model).into_iter().nth(contact),
             Model::BallBalancer(_) => None,
         };
         names.unwrap_or_else(|| ContactNames {
@@ -21,7 +21,7 @@ impl Model {
     /// Returns the names of the outputs; none for a model that shows its contacts alone.
     pub fn output_names(&self) -> Vec<OutputName> {
         match self {
-            Model::Own(model) => model.own().output_names(model),
+            Model::Own(model) => model.own_kind.output_names(model),
             Model::BallBalancer(_) => Vec::new(),
         }
     }

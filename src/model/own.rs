@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::invalid_parameter::{InvalidParameter, invalid, not_negative, positive};
+use super::invalid_parameter::{InvalidParameter, finite, invalid, not_negative, positive};
 use super::{
     Bound, DerivedQuantity, FRICTION_COEFFICIENT, Field, Friction, FrictionLaw, ModelKind, OwnKind,
     OwnModel, ParameterDescriptor,
@@ -33,13 +33,16 @@ impl OwnModel {
         self.kind
     }
 
+    fn place(&self, name: &str) -> Option<usize> {
+        self.kind.parameters.iter().position(|parameter| parameter.name == name)
+    }
+
     /// Returns the value of the parameter with this name.
     ///
     /// # Panics
     /// Panics if the kind has no such parameter, which is a programming error.
     pub fn number(&self, name: &str) -> f64 {
-        let index = self.kind.parameters.iter().position(|parameter| parameter.name == name);
-        match index {
+        match self.place(name) {
             Some(index) => self.values[index],
             None => panic!("the kind of model {} has no parameter `{name}`", self.kind.name),
         }
@@ -61,8 +64,7 @@ impl OwnModel {
 
     /// Returns the coefficient of friction that all contacts share; `None` for contacts with their own.
     pub(super) fn friction_coefficient(&self) -> Option<f64> {
-        let mut parameters = self.kind.parameters.iter();
-        let place = parameters.position(|parameter| parameter.name == FRICTION_COEFFICIENT)?;
+        let place = self.place(FRICTION_COEFFICIENT)?;
         self.own_kind.has_law_of_study().then(|| self.values[place])
     }
 
@@ -71,24 +73,15 @@ impl OwnModel {
         self.own_kind.derived(self)
     }
 
-    /// Returns what the kind computes.
-    pub(super) fn own(&self) -> &'static dyn OwnKind {
-        self.own_kind
-    }
-
     /// Returns the number that a parameter sets.
     pub(super) fn number_mut(&mut self, parameter: &ParameterDescriptor) -> Option<&mut f64> {
-        let is_it = |known: &ParameterDescriptor| known.name == parameter.name;
-        self.values.get_mut(self.kind.parameters.iter().position(is_it)?)
+        let place = self.place(parameter.name)?;
+        self.values.get_mut(place)
     }
 
     /// Returns the law of friction of the study.
     pub fn friction(&self) -> &FrictionLaw {
         &self.friction
-    }
-
-    pub(super) fn friction_mut(&mut self) -> &mut FrictionLaw {
-        &mut self.friction
     }
 
     /// Checks that all values have a physical meaning.
@@ -123,10 +116,7 @@ impl OwnModel {
             match parameter.field {
                 Field::Own { bound: Bound::Positive, .. } => positive(name, value)?,
                 Field::Own { bound: Bound::NotNegative, .. } => not_negative(name, value)?,
-                _ if !value.is_finite() => {
-                    return Err(invalid(name, &value.to_string(), "a finite number"));
-                }
-                _ => {}
+                _ => finite(name, value)?,
             }
         }
         match self.friction_coefficient() {

@@ -104,12 +104,12 @@ impl OwnModel {
             .as_ref()
             .map(|(_, speed)| [0.0, ends_s - begins_s].map(|time_s| speed.speed_rad_s(time_s)));
         let speed_changes = turning.as_ref().is_some_and(|(_, speed)| !speed.is_hold);
-        let motions = self.own().motions();
+        let motions = self.own_kind.motions();
         let moves = motions.iter().any(|motion| motion.terms_from(begins_s).len() > 1);
         let is_knot = segment.is_some_and(|(segment, _)| segment.begins_s == begins_s);
         let ends = motions.iter().any(|motion| motion.times_s().last() == Some(begins_s));
         let (system, has_clock) =
-            self.own().system_in_stage(self, &StageMotion { begins_s, turning });
+            self.own_kind.system_in_stage(self, &StageMotion { begins_s, turning });
         Some(Stage {
             begins_s,
             ends_s,
