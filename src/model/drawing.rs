@@ -5,6 +5,7 @@
 //! acceleration, and `t` is the time, all in SI units.
 
 use super::{Ball, Machine};
+use crate::named::named;
 
 /// Pictures of a machine.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -82,21 +83,13 @@ pub enum DrawnForm {
     Mark,
 }
 
-impl DrawnForm {
-    /// The forms with their names in system files and on the page.
-    pub const ALL: [(&str, DrawnForm); 5] = [
-        ("circle", DrawnForm::Circle),
-        ("line", DrawnForm::Line),
-        ("polygon", DrawnForm::Polygon),
-        ("spring", DrawnForm::Spring),
-        ("mark", DrawnForm::Mark),
-    ];
-
-    /// Returns the name in system files and on the page.
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, form)| *form == self).map_or("", |(name, _)| name)
-    }
-}
+named!(DrawnForm {
+    Circle: "circle",
+    Line: "line",
+    Polygon: "polygon",
+    Spring: "spring",
+    Mark: "mark",
+});
 
 impl Machine {
     /// Returns the picture of a balancer, seen along its axis; `gaps` has the two balls of each gap.

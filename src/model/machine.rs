@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::invalid_parameter::{InvalidParameter, finite, invalid, not_negative, positive};
 use super::parameter_name::member_name;
 use super::{BallContact, Friction, FrictionLaw, SlidingSpeed, SpeedProfile};
+use crate::named::named;
 
 /// The largest number of balls that one machine may have.
 pub const MAX_BALLS: usize = 8;
@@ -41,22 +42,12 @@ pub enum NormalForce {
     Newton,
 }
 
+named!(NormalForce { Lagrange: "lagrange", Newton: "newton" });
+
 impl NormalForce {
-    /// All forms by the names in a study file.
-    pub const ALL: [(&'static str, NormalForce); 2] =
-        [("lagrange", NormalForce::Lagrange), ("newton", NormalForce::Newton)];
-
-    /// Returns the name in a study file.
-    pub fn name(self) -> &'static str {
-        match self {
-            NormalForce::Lagrange => "lagrange",
-            NormalForce::Newton => "newton",
-        }
-    }
-
     /// Returns the form with this name.
     pub fn named(name: &str) -> Option<NormalForce> {
-        NormalForce::ALL.into_iter().find_map(|(known, force)| (known == name).then_some(force))
+        NormalForce::ALL.iter().copied().find(|force| force.name() == name)
     }
 }
 

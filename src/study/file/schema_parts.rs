@@ -122,7 +122,8 @@ fn number_range() -> Value {
 /// Returns the schema of a parameter's value: a number with its bound, or a word.
 pub(super) fn value(parameter: Parameter, models: &[Model]) -> Value {
     if !parameter.is_number() {
-        return json!({ "enum": NormalForce::ALL.map(|(name, _)| name) });
+        let names: Vec<_> = NormalForce::ALL.iter().map(|force| force.name()).collect();
+        return json!({ "enum": names });
     }
     if parameter == Parameter::BALLS {
         return json!({ "type": "integer", "minimum": 1, "maximum": MAX_BALLS });

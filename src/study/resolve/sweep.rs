@@ -207,14 +207,14 @@ pub(crate) fn resolve_value(
             Err(Fault::new("not a number", format!("text {:?}", shorten(text)), "a number"))
         }
         (Entry::Text(text), false) => {
-            let names = NormalForce::ALL.map(|(name, _)| name);
-            match names.into_iter().find(|name| name == text) {
+            let names: Vec<_> = NormalForce::ALL.iter().map(|force| force.name()).collect();
+            match names.iter().copied().find(|name| name == text) {
                 Some(name) => Ok(ParameterValue::Text(name)),
                 None => Err(Fault::new("unknown choice", shorten(text), list_names(text, &names))),
             }
         }
         (Entry::Number(number), false) => {
-            let names = NormalForce::ALL.map(|(name, _)| name);
+            let names: Vec<_> = NormalForce::ALL.iter().map(|force| force.name()).collect();
             Err(Fault::new("wrong type", describe_number(*number), names.join(", ")))
         }
     }
