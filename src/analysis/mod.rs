@@ -48,7 +48,6 @@ mod stratified;
 mod summary_statistics;
 mod survival;
 mod touching;
-mod touching_set;
 mod value_counts;
 
 pub use balance::Balance;
@@ -89,7 +88,6 @@ pub use stopping::{HalfWidths, StoppingRule};
 pub use stratified::StratifiedCells;
 pub(crate) use survival::rest_or_stop_time;
 pub use survival::{SurvivalCurve, SurvivalStep};
-pub use touching::overlaps;
-pub use touching_set::touching_set_fraction;
+pub use touching::{overlaps, touching_set_fraction};
 pub use value_counts::ValueCounts;
 pub(crate) use value_counts::interpolated_quantile;

@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 
 use super::formula::Valued;
 use super::numeric::NamedValues;
-use super::smallest_pivot::smallest_pivot;
+use super::sizes::smallest_pivot;
 use super::system::WrittenSystem;
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{Bounded, Interval, Number, System};

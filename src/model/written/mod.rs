@@ -33,7 +33,6 @@ mod numeric;
 mod parser;
 mod sizes;
 mod small_motions;
-mod smallest_pivot;
 mod state_units;
 mod system;
 mod velocities;

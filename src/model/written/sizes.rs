@@ -7,7 +7,6 @@ use nalgebra::{DMatrix, Schur};
 use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::numeric::{NamedValues, Scales};
-use super::smallest_pivot::smallest_pivot;
 
 /// The sizes of a system with values of its parameters, in SI units.
 pub(super) struct Sizes {
@@ -225,5 +224,26 @@ fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
     }
     let schur = Schur::try_new(matrix.clone(), f64::EPSILON, 10_000);
     let eigenvalues = schur.map(|schur| schur.complex_eigenvalues());
+
+/// Returns the smallest pivot of a symmetric matrix over the entry on its diagonal, and its row. A pivot that is not positive is
+/// the last one, and counts as 0; what is not finite fails as such.
+pub(super) fn smallest_pivot(mut matrix: Vec<Vec<f64>>) -> (f64, usize) {
+    let diagonal: Vec<f64> = matrix.iter().enumerate().map(|(place, row)| row[place]).collect();
+    let mut smallest = (1.0_f64, 0);
+    for (column, original) in diagonal.into_iter().enumerate() {
+        let pivot = matrix[column].clone();
+        if original <= 0.0 || pivot[column] <= 0.0 {
+            return (0.0, column);
+        }
+        if pivot[column] / original < smallest.0 {
+            smallest = (pivot[column] / original, column);
+        }
+        for row in &mut matrix[column + 1..] {
+            let factor = row[column] / pivot[column];
+            row.iter_mut().zip(&pivot).for_each(|(entry, above)| *entry -= factor * above);
+        }
+    }
+    smallest
+}
     eigenvalues.map_or(0.0, |all| all.iter().map(|value| value.norm()).fold(0.0, f64::max))
 }
