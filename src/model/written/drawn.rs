@@ -125,10 +125,6 @@ impl FormulaValues for ScriptValues<'_> {
         format!("({value:?})")
     }
 
-    fn quantity(&mut self, value: f64, dimension: Dimension) -> String {
-        self.number(value, dimension, 0)
-    }
-
     fn named(&mut self, _: usize, name: &Name, body: Option<i64>) -> Valued<String> {
         if let Some(number) = self.instance.number_of(&name.name, body) {
             return Ok(format!("q[{number}]"));

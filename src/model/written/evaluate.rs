@@ -1,7 +1,7 @@
 //! Evaluates formulas: with numbers, with expressions of a record, or with what a check needs to know of each term.
 
 use super::formula::{
-    Dimension, Formula, FormulaFault, FormulaFunction, FormulaTerm, Name, TermContent, Valued,
+    Dimension, Formula, FormulaFault, FormulaFunction, FormulaTerm, NONE, Name, TermContent, Valued,
 };
 
 /// The largest number of terms of all formulas of a system together, with each body counted.
@@ -16,7 +16,9 @@ pub(super) trait FormulaValues {
     fn number(&mut self, value: f64, dimension: Dimension, place: usize) -> Self::Value;
 
     /// Returns a number in the SI unit of a dimension.
-    fn quantity(&mut self, value: f64, dimension: Dimension) -> Self::Value;
+    fn quantity(&mut self, value: f64, dimension: Dimension) -> Self::Value {
+        self.number(value, dimension, 0)
+    }
 
     /// Returns the value of a name; `body` is the number of the body, if the name has one.
     fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<Self::Value>;
@@ -89,7 +91,7 @@ impl Bodies {
             }
             TermContent::Quantity(value, dimension) => Ok(values.quantity(*value, *dimension)),
             TermContent::Name(name) => match self.whole(term) {
-                Some(whole) => Ok(values.quantity(whole as f64, super::formula::NONE)),
+                Some(whole) => Ok(values.quantity(whole as f64, NONE)),
                 None => {
                     let body = name.body.as_ref().map(|body| self.index(body)).transpose()?;
                     values.named(at, name, body)

@@ -128,10 +128,6 @@ impl FormulaValues for LatexValues {
         }
     }
 
-    fn quantity(&mut self, value: f64, dimension: Dimension) -> Text {
-        self.number(value, dimension, 0)
-    }
-
     fn named(&mut self, _: usize, name: &Name, body: Option<i64>) -> Valued<Text> {
         let text = if name.name == "pi" {
             "\\pi".to_owned()

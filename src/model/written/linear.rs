@@ -47,10 +47,6 @@ impl<T: Scalar> FormulaValues for Linearised<'_, '_, T> {
         LinearForm::constant(self.numeric.number(value, dimension, place))
     }
 
-    fn quantity(&mut self, value: f64, dimension: Dimension) -> LinearForm<T> {
-        LinearForm::constant(self.numeric.quantity(value, dimension))
-    }
-
     fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<LinearForm<T>> {
         match self.instance.number_of(&name.name, body).filter(|_| name.primes == 1) {
             Some(number) => Ok(LinearForm {

@@ -35,9 +35,7 @@ impl Scales {
 /// A number or an expression.
 pub(super) trait Scalar: Number + Div<Output = Self> {
     fn root(self) -> Self;
-    fn exponential(self) -> Self;
-    fn arc_tangent(self) -> Self;
-    fn logarithm(self) -> Self;
+    fn function(self, function: Function) -> Self;
 
     /// Returns this times a power of two.
     fn in_unit(self, unit: f64) -> Self {
@@ -50,16 +48,12 @@ impl Scalar for f64 {
         Elementary::sqrt(self)
     }
 
-    fn exponential(self) -> Self {
-        libm::exp(self)
-    }
-
-    fn arc_tangent(self) -> Self {
-        libm::atan(self)
-    }
-
-    fn logarithm(self) -> Self {
-        libm::log(self)
+    fn function(self, function: Function) -> Self {
+        match function {
+            // A number of a file may be larger than what a motion computes with.
+            Function::Exponential => libm::exp(self),
+            _ => function.of(self),
+        }
     }
 }
 
@@ -68,16 +62,8 @@ impl Scalar for Bounded {
         Elementary::sqrt(self)
     }
 
-    fn exponential(self) -> Self {
-        self.function(Function::Exponential)
-    }
-
-    fn arc_tangent(self) -> Self {
-        self.function(Function::ArcTangent)
-    }
-
-    fn logarithm(self) -> Self {
-        self.function(Function::Logarithm)
+    fn function(self, function: Function) -> Self {
+        Elementary::function(self, function)
     }
 }
 
@@ -86,16 +72,12 @@ impl Scalar for Expression<'_> {
         self.sqrt()
     }
 
-    fn exponential(self) -> Self {
-        self.exp()
-    }
-
-    fn arc_tangent(self) -> Self {
-        self.atan()
-    }
-
-    fn logarithm(self) -> Self {
-        self.log()
+    fn function(self, function: Function) -> Self {
+        match function {
+            Function::Exponential => self.exp(),
+            Function::ArcTangent => self.atan(),
+            Function::Logarithm => self.log(),
+        }
     }
 
     fn in_unit(self, unit: f64) -> Self {
@@ -121,10 +103,6 @@ impl<T: Scalar> FormulaValues for NamedValues<'_, T> {
 
     fn number(&mut self, value: f64, dimension: Dimension, _: usize) -> T {
         T::constant(value / self.scales.unit(dimension))
-    }
-
-    fn quantity(&mut self, value: f64, dimension: Dimension) -> T {
-        self.number(value, dimension, 0)
     }
 
     fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<T> {
@@ -198,14 +176,14 @@ impl<T: Scalar> FormulaValues for NamedValues<'_, T> {
                 let (sine, cosine) = of.sin_cos();
                 sine / cosine
             }
-            FormulaFunction::Exponential => of.exponential(),
+            FormulaFunction::Exponential => of.function(Function::Exponential),
             FormulaFunction::SquareRoot => of.root(),
             // A large exponential gives 1 without an overflow of a product.
             FormulaFunction::HyperbolicTangent => {
-                one - T::constant(2.0) / ((of + of).exponential() + one)
+                one - T::constant(2.0) / ((of + of).function(Function::Exponential) + one)
             }
-            FormulaFunction::ArcTangent => of.arc_tangent(),
-            FormulaFunction::Logarithm => of.logarithm(),
+            FormulaFunction::ArcTangent => of.function(Function::ArcTangent),
+            FormulaFunction::Logarithm => of.function(Function::Logarithm),
         })
     }
 }
