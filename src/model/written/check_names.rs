@@ -60,6 +60,9 @@ const PREFIXES: [&str; 11] = [
     "failed_",
 ];
 
+/// What a name consists of, in words.
+const NAME: &str = "letters, digits and _, with a letter first";
+
 /// The names of the parameters of speed profiles begin like this.
 const OF_PROFILES: [&str; 4] = ["start_speed", "ramp_to_", "ramp_over_", "hold_"];
 
@@ -101,6 +104,15 @@ impl SystemDefinition {
         }
     }
 
+    /// Returns the coordinates and the outputs, each with its key, its name and its index.
+    fn quantities(&self) -> impl Iterator<Item = (&str, &str, Option<&str>)> {
+        let coordinates = self.coordinates.iter();
+        let coordinates =
+            coordinates.map(|given| ("coordinates", &*given.name, given.index.as_deref()));
+        let outputs = self.outputs.iter();
+        coordinates.chain(outputs.map(|given| ("outputs", &*given.name, given.index.as_deref())))
+    }
+
     /// Checks that no two columns of tables have one name.
     fn check_columns(&self) -> Result<(), FaultAt> {
         let fault = |key: &str, name: &str, index: Option<&str>| {
@@ -117,19 +129,9 @@ impl SystemDefinition {
                 return fault("parameters", &given.name, None);
             }
         }
-        fn named<'a>(
-            key: &'a str,
-            (name, index): (&'a String, &'a Option<String>),
-        ) -> (&'a str, &'a str, Option<&'a str>) {
-            (key, name.as_str(), index.as_deref())
-        }
-        let coordinates = self.coordinates.iter().map(|member| (&member.name, &member.index));
-        let outputs = self.outputs.iter().map(|member| (&member.name, &member.index));
-        let contacts = self.contacts.iter().map(|member| (&member.name, &member.index));
-        let coordinates = coordinates.map(|member| named("coordinates", member));
-        let quantities = coordinates.chain(outputs.map(|member| named("outputs", member)));
-        let contacts = contacts.map(|member| named("contacts", member));
-        for members in [quantities.collect::<Vec<_>>(), contacts.collect()] {
+        let contacts = self.contacts.iter();
+        let contacts = contacts.map(|given| ("contacts", &*given.name, given.index.as_deref()));
+        for members in [self.quantities().collect::<Vec<_>>(), contacts.collect()] {
             for (key, name, index) in &members {
                 // `x_2` is the second body of `x`, and `x_rate` its rate of change.
                 let Some((base, end)) = name.rsplit_once('_') else { continue };
@@ -146,28 +148,20 @@ impl SystemDefinition {
 
     pub(super) fn check_names(&self) -> Result<(), FaultAt> {
         let mut known: Vec<&str> = RESERVED.to_vec();
-        let parameters =
-            self.parameters.iter().map(|parameter| ("parameters", parameter.name.as_str(), None));
-        let indices = self.repeat.iter().map(|(index, _)| ("repeat", index.as_str(), None));
-        let coordinates = self.coordinates.iter();
-        let coordinates =
-            coordinates.map(|given| ("coordinates", given.name.as_str(), given.index.as_deref()));
-        let outputs = self.outputs.iter();
-        let outputs = outputs.map(|given| ("outputs", given.name.as_str(), given.index.as_deref()));
-        let turning = self.turning.iter().map(|turning| ("turning", turning.angle.as_str(), None));
-        let motions = self.motions.iter().map(|motion| ("motions", motion.name.as_str(), None));
-        let derived =
-            self.derived.iter().map(|derived| ("derived", derived.quantity.name.as_str(), None));
-        let outputs = outputs.chain(derived);
-        let names = parameters.chain(indices).chain(coordinates).chain(outputs);
-        let names = names.chain(turning).chain(motions);
+        let parameters = self.parameters.iter().map(|given| ("parameters", &*given.name, None));
+        let indices = self.repeat.iter().map(|(index, _)| ("repeat", &**index, None));
+        let derived = self.derived.iter().map(|given| ("derived", &*given.quantity.name, None));
+        let turning = self.turning.iter().map(|turning| ("turning", &*turning.angle, None));
+        let motions = self.motions.iter().map(|motion| ("motions", &*motion.name, None));
+        let names = parameters.chain(indices).chain(self.quantities());
+        let names = names.chain(derived).chain(turning).chain(motions);
         for (key, name, index) in names {
             let fault = |problem: &str, allowed: &str| {
                 let path = vec![key.to_owned(), with_index(name, index)];
                 (path, FormulaFault::new(0, problem, name, allowed))
             };
             if !is_name(name) {
-                return Err(fault("not a name", "letters, digits and _, with a letter first"));
+                return Err(fault("not a name", NAME));
             }
             if RESERVED.contains(&name) {
                 return Err(fault("a name with another meaning in formulas", "a name of its own"));
@@ -185,8 +179,7 @@ impl SystemDefinition {
             });
             for (name, path) in [(&view.name, of_view.clone())].into_iter().chain(shapes) {
                 if !is_name(name) {
-                    let allowed = "letters, digits and _, with a letter first";
-                    return Err((path, FormulaFault::new(0, "not a name", name, allowed)));
+                    return Err((path, FormulaFault::new(0, "not a name", name, NAME)));
                 }
             }
         }
@@ -198,10 +191,8 @@ impl SystemDefinition {
             let problem = "the law of the study without its coefficient";
             let found = format!("no parameter `{FRICTION_COEFFICIENT}`");
             let allowed = format!("`{FRICTION_COEFFICIENT}: 0.1` among the parameters");
-            return Err((
-                vec!["parameters".to_owned()],
-                FormulaFault::new(0, problem, &found, allowed),
-            ));
+            let fault = FormulaFault::new(0, problem, found, allowed);
+            return Err((vec!["parameters".to_owned()], fault));
         }
         let mut contacts: Vec<&str> = Vec::new();
         for contact in &self.contacts {
