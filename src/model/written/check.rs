@@ -62,10 +62,12 @@ impl Allowed {
 struct CheckedFormula<'d> {
     path: Vec<String>,
     formula: &'d Formula,
-    allowed: Allowed,
-    dimension: Option<Dimension>,
+    required: Required,
     bodies: Bodies,
 }
+
+/// What a formula may depend on, and its dimension.
+type Required = (Allowed, Option<Dimension>);
 
 /// `kg m²/s²`
 const ENERGY: Dimension = [WHOLE, 2 * WHOLE, -2 * WHOLE];
@@ -81,12 +83,13 @@ impl SystemDefinition {
     pub fn check(&mut self) -> Result<(), FaultAt> {
         self.check_names()?;
         self.check_sizes()?;
-        let (found, all, seen) = {
-            let definition: &SystemDefinition = self;
-            // A contact of no bodies has formulas, too.
-            let instance = Instance::new(definition, |name| definition.default_count(name).max(1))?;
-            check_formulas(&instance)?
-        };
+        // A contact of no bodies has formulas, too.
+        let instance = Instance::new(self, |name| self.default_count(name).max(1))?;
+        let (found, all, seen) = check_formulas(&instance)?;
+        for (formula, numbers) in found {
+            let all = || numbers.iter().map(|number| number.unwrap_or(NONE)).collect();
+            formula.dimensions.get_or_init(all);
+        }
         self.uses_time = all.time;
         self.uses_accelerations = all.accelerations > 0;
         if let Some(motion) = self.motions.iter().find(|motion| !seen.contains(&motion.name)) {
@@ -104,11 +107,6 @@ impl SystemDefinition {
             let fault = FormulaFault::new(0, "a period without the time", &period.text, allowed);
             return Err((vec!["period".to_owned()], fault));
         }
-        for formula in self.formulas_mut() {
-            if let Some((_, numbers)) = found.iter().find(|(known, _)| ptr::eq(*known, formula)) {
-                formula.numbers = numbers.iter().map(|number| number.unwrap_or(NONE)).collect();
-            }
-        }
         Ok(())
     }
 
@@ -117,47 +115,19 @@ impl SystemDefinition {
         let parameter = self.parameters.iter().find(|parameter| parameter.name == name);
         parameter.map_or(1, |parameter| parameter.value as i64)
     }
-
-    fn formulas_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
-        let mass = self.mass.iter_mut().map(|(_, formula)| formula);
-        let force = self.force.iter_mut().map(|(_, formula)| formula);
-        let starts = self.coordinates.iter_mut().flat_map(|q| q.start.iter_mut().flatten());
-        let contacts = self.contacts.iter_mut().flat_map(|contact| {
-            let normal = match &mut contact.normal {
-                WrittenNormal::Given(force) => force,
-                WrittenNormal::Gap(gap) => gap,
-            };
-            let friction = contact.friction.iter_mut();
-            let friction =
-                friction.flat_map(|law| [&mut law.coefficient].into_iter().chain(&mut law.values));
-            contact
-                .sliding
-                .iter_mut()
-                .chain([normal])
-                .chain(friction)
-                .chain(&mut contact.restitution)
-        });
-        let outputs = self.outputs.iter_mut().map(|output| &mut output.formula);
-        let derived = self.derived.iter_mut().flat_map(|derived| {
-            let ends = derived.within.iter_mut().chain(&mut derived.usual).flatten();
-            [&mut derived.quantity.formula].into_iter().chain(ends)
-        });
-        let drawn = self.draw.iter_mut().flat_map(|view| &mut view.shapes);
-        let drawn = drawn.flat_map(|shape| &mut shape.values);
-        let results = outputs.chain(derived).chain(drawn);
-        mass.chain(force).chain(starts).chain(contacts).chain(results).chain(&mut self.period)
-    }
 }
 
 /// The dimensions of the numbers in each formula.
-type Numbers = Vec<(*const Formula, Vec<Option<Dimension>>)>;
+type Numbers<'d> = Vec<(&'d Formula, Vec<Option<Dimension>>)>;
 
 /// Checks all formulas; returns the dimensions of their numbers, what the equations depend on, and the names in them.
-fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence, Vec<String>), FaultAt> {
+fn check_formulas<'d>(
+    instance: &Instance<'d>,
+) -> Result<(Numbers<'d>, Dependence, Vec<String>), FaultAt> {
     let mut found = Numbers::new();
     let (mut terms, mut all, mut seen) = (0, Dependence::default(), Vec::new());
     for used in uses(instance)? {
-        let CheckedFormula { path, formula, allowed, dimension, mut bodies } = used;
+        let CheckedFormula { path, formula, required: (allowed, dimension), mut bodies } = used;
         let at = |fault: FormulaFault| (path.clone(), fault);
         bodies.terms = terms;
         let (found_here, mut values) = instance.analysed(formula, &mut bodies).map_err(at)?;
@@ -196,7 +166,7 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence, Vec<S
         terms = bodies.terms;
         let known = found.iter_mut().find(|(known, _)| ptr::eq(*known, formula));
         let Some((_, known)) = known else {
-            found.push((ptr::from_ref(formula), values.numbers));
+            found.push((formula, values.numbers));
             continue;
         };
         for (known, number) in known.iter_mut().zip(values.numbers) {
@@ -215,8 +185,7 @@ fn check_formulas(instance: &Instance<'_>) -> Result<(Numbers, Dependence, Vec<S
 fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt> {
     let definition = instance.definition;
     let path = |keys: &[&str]| keys.iter().map(|key| (*key).to_owned()).collect::<Vec<String>>();
-    let unit =
-        |number: usize| definition.coordinates[instance.coordinates[number].of].unit.dimension;
+    let unit = |number: usize| instance.coordinate(number).unit.dimension;
     let mut all = Vec::new();
     for member in &instance.coordinates {
         let coordinate = &definition.coordinates[member.of];
@@ -228,8 +197,8 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt>
                 let mut path = path(&["coordinates", &name, key]);
                 path.push(format!("[{end}]"));
                 let bodies = instance.bound(coordinate.index.as_deref(), member.body);
-                let (allowed, dimension) = (Allowed::Constants, Some(dimension));
-                all.push(CheckedFormula { path, formula, allowed, dimension, bodies });
+                let required = (Allowed::Constants, Some(dimension));
+                all.push(CheckedFormula { path, formula, required, bodies });
             }
         }
     }
@@ -247,21 +216,14 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt>
                 return Err((path, fault));
             }
             taken.push(pair);
-            let dimension =
-                Some(over(over(over(ENERGY, unit(row)), unit(column)), [0, 0, -2 * WHOLE]));
-            let path = path.clone();
-            all.push(CheckedFormula {
-                path,
-                formula,
-                allowed: Allowed::Positions,
-                dimension,
-                bodies,
-            });
+            let mass = over(over(over(ENERGY, unit(row)), unit(column)), [0, 0, -2 * WHOLE]);
+            let (path, required) = (path.clone(), (Allowed::Positions, Some(mass)));
+            all.push(CheckedFormula { path, formula, required, bodies });
         }
     }
     let without = |number: &usize| !taken.contains(&[*number; 2]);
     if let Some(number) = (0..instance.coordinates.len()).find(without) {
-        let coordinate = &definition.coordinates[instance.coordinates[number].of];
+        let coordinate = instance.coordinate(number);
         let name = with_index(&coordinate.name, coordinate.index.as_deref());
         let (problem, allowed) =
             ("a coordinate without a mass", format!("{name}: {{{name}: ...}}"));
@@ -271,74 +233,62 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt>
         let path = path(&["force", &place.0.text]);
         let places = instance.places([place]).map_err(|(_, fault)| (path.clone(), fault))?;
         for ([number], bodies) in places {
-            let dimension = Some(over(ENERGY, unit(number)));
-            let path = path.clone();
-            all.push(CheckedFormula {
-                path,
-                formula,
-                allowed: Allowed::Anything,
-                dimension,
-                bodies,
-            });
+            let required = (Allowed::Anything, Some(over(ENERGY, unit(number))));
+            all.push(CheckedFormula { path: path.clone(), formula, required, bodies });
         }
     }
     for number in 0..instance.contacts.len() {
         let speed = instance.speed_dimension(number)?;
         let (contact, bodies) = instance.contact(number);
-        let mut add =
-            |key: &str, formula: &'d Formula, allowed: Allowed, dimension: Option<Dimension>| {
-                let (path, bodies) = (instance.contact_path(number, key), bodies.clone());
-                all.push(CheckedFormula { path, formula, allowed, dimension, bodies });
-            };
+        let mut add = |key: &str, formula: &'d Formula, allowed: Allowed, dimension: Dimension| {
+            let (path, bodies) = (instance.contact_path(number, key), bodies.clone());
+            all.push(CheckedFormula {
+                path,
+                formula,
+                required: (allowed, Some(dimension)),
+                bodies,
+            });
+        };
         if let Some(sliding) = &contact.sliding {
-            add("sliding", sliding, Allowed::LinearRates, Some(speed));
+            add("sliding", sliding, Allowed::LinearRates, speed);
         }
         let power = over(ENERGY, SECOND);
         match &contact.normal {
             WrittenNormal::Given(force) => {
-                add("normal", force, Allowed::LinearAccelerations, Some(over(power, speed)));
+                add("normal", force, Allowed::LinearAccelerations, over(power, speed));
             }
             WrittenNormal::Gap(gap) => {
-                let length = [speed[0], speed[1], speed[2] + WHOLE];
-                add("gap", gap, Allowed::Positions, Some(length));
+                add("gap", gap, Allowed::Positions, [speed[0], speed[1], speed[2] + WHOLE]);
             }
         }
         if let Some(friction) = &contact.friction {
             let key = |name: &str| format!("friction.{}.{name}", friction.law.name());
-            add(&key(COEFFICIENT), &friction.coefficient, Allowed::Constants, Some(NONE));
+            add(&key(COEFFICIENT), &friction.coefficient, Allowed::Constants, NONE);
             for (parameter, formula) in friction.law.parameters().iter().zip(&friction.values) {
                 let dimension = match parameter.dimension {
                     model::LawDimension::Ratio => NONE,
                     model::LawDimension::SlidingSpeed { .. } => speed,
                     model::LawDimension::Drag => over(over(power, speed), speed),
                 };
-                add(&key(law_key(parameter)), formula, Allowed::Constants, Some(dimension));
+                add(&key(law_key(parameter)), formula, Allowed::Constants, dimension);
             }
         }
-        for (key, formula) in
-            ["restitution", "tangential_restitution"].iter().zip(&contact.restitution)
-        {
-            add(key, formula, Allowed::Constants, Some(NONE));
-        }
+        let [normal, tangential] = &contact.restitution;
+        add("restitution", normal, Allowed::Constants, NONE);
+        add("tangential_restitution", tangential, Allowed::Constants, NONE);
     }
     for number in 0..instance.outputs.len() {
         let (output, bodies) = instance.output(number);
         let path = path(&["outputs", &with_index(&output.name, output.index.as_deref())]);
-        let (allowed, formula) = (Allowed::Anything, &output.formula);
-        let dimension = output.unit.as_ref().map(|unit| unit.dimension);
-        all.push(CheckedFormula { path, formula, allowed, dimension, bodies });
+        let required = (Allowed::Anything, output.unit.as_ref().map(|unit| unit.dimension));
+        all.push(CheckedFormula { path, formula: &output.formula, required, bodies });
     }
     for WrittenDerived { quantity, within, usual } in &definition.derived {
         let WrittenOutput { name, unit, formula, .. } = quantity;
         let mut add = |keys: &[&str], formula: &'d Formula, dimension: Option<Dimension>| {
             let (path, bodies) = (path(keys), instance.bodies.clone());
-            all.push(CheckedFormula {
-                path,
-                formula,
-                allowed: Allowed::Constants,
-                dimension,
-                bodies,
-            });
+            let required = (Allowed::Constants, dimension);
+            all.push(CheckedFormula { path, formula, required, bodies });
         };
         let given = unit.as_ref().map(|unit| unit.dimension);
         add(&["derived", name], formula, given);
@@ -364,26 +314,16 @@ fn uses<'d>(instance: &Instance<'d>) -> Result<Vec<CheckedFormula<'d>>, FaultAt>
             instance.contact_of(shape, body).map_err(fault)?;
             for (number, formula) in shape.values.iter().enumerate() {
                 let keys = shape.keys_of(number);
-                let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
-                all.push(CheckedFormula {
-                    path: of_shape(&keys),
-                    formula,
-                    allowed: Allowed::InPicture,
-                    dimension: Some(LENGTH),
-                    bodies: instance.bound(shape.index.as_deref(), body),
-                });
+                let path = of_shape(&keys.iter().map(String::as_str).collect::<Vec<_>>());
+                let bodies = instance.bound(shape.index.as_deref(), body);
+                let required = (Allowed::InPicture, Some(LENGTH));
+                all.push(CheckedFormula { path, formula, required, bodies });
             }
         }
     }
     if let Some(formula) = &definition.period {
-        let (allowed, bodies) = (Allowed::Constants, instance.bodies.clone());
-        all.push(CheckedFormula {
-            path: path(&["period"]),
-            formula,
-            allowed,
-            dimension: Some(SECOND),
-            bodies,
-        });
+        let (bodies, required) = (instance.bodies.clone(), (Allowed::Constants, Some(SECOND)));
+        all.push(CheckedFormula { path: path(&["period"]), formula, required, bodies });
     }
     Ok(all)
 }
@@ -394,8 +334,9 @@ impl Instance<'_> {
         let (found, ..) = check_formulas(self)?;
         for (path, formula) in uses(self)?.into_iter().map(|used| (used.path, used.formula)) {
             let numbers = found.iter().find(|(known, _)| ptr::eq(*known, formula));
-            let mut both = numbers.iter().flat_map(|(_, numbers)| numbers).zip(&formula.numbers);
-            if both.any(|(found, known)| found.is_some_and(|found| found != *known)) {
+            let mut both = numbers.iter().flat_map(|(_, numbers)| numbers).zip(0..);
+            if both.any(|(found, place)| found.is_some_and(|at| at != formula.dimension_of(place)))
+            {
                 let problem = "a number whose unit the default numbers of bodies do not show";
                 let allowed = "a parameter with a unit in its place";
                 return Err((path, FormulaFault::new(0, problem, formula.text.as_str(), allowed)));

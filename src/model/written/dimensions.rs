@@ -18,7 +18,7 @@ const HIGHEST: i32 = 1000 * WHOLE;
 
 /// The analysis of one formula.
 pub(super) struct Dimensions<'a> {
-    pub names: &'a SystemNames,
+    pub names: SystemNames<'a>,
     /// The dimensions of the numbers found so far.
     pub numbers: Vec<Option<Dimension>>,
     /// Whether dimensions are checked: a system without any unit has none.
@@ -32,6 +32,11 @@ pub(super) struct Dimensions<'a> {
 pub(super) struct TermAnalysis {
     pub measured: TermDimension,
     pub depends: Dependence,
+}
+
+/// Returns what the analysis of a term with a known dimension finds.
+fn known(dimension: Dimension, depends: Dependence) -> TermAnalysis {
+    TermAnalysis { measured: TermDimension::Known(dimension), depends }
 }
 
 impl Dimensions<'_> {
@@ -71,25 +76,22 @@ impl FormulaValues for Dimensions<'_> {
     }
 
     fn quantity(&mut self, _: f64, dimension: Dimension) -> TermAnalysis {
-        TermAnalysis { measured: TermDimension::Known(dimension), depends: Dependence::default() }
+        known(dimension, Dependence::default())
     }
 
     fn named(&mut self, at: usize, name: &Name, body: Option<i64>) -> Valued<TermAnalysis> {
         let (meaning, dimension) = self.names.find(at, name, body)?;
         self.appearing.push((name.name.clone(), body));
-        Ok(TermAnalysis {
-            measured: TermDimension::Known(dimension),
-            depends: Dependence::of(meaning),
-        })
+        Ok(known(dimension, Dependence::of(meaning)))
     }
 
     fn sum(&mut self, at: usize, terms: Vec<(bool, TermAnalysis)>) -> Valued<TermAnalysis> {
         let depends = terms.iter().map(|(_, term)| term.depends).sum();
-        let known = terms.iter().find_map(|(_, term)| match term.measured {
+        let dimension = terms.iter().find_map(|(_, term)| match term.measured {
             TermDimension::Known(dimension) => Some(dimension),
             TermDimension::Any(_) => None,
         });
-        let Some(known) = known else {
+        let Some(dimension) = dimension else {
             let all = terms.into_iter().filter_map(|(_, term)| match term.measured {
                 TermDimension::Any(places) => Some(places),
                 TermDimension::Known(_) => None,
@@ -100,12 +102,12 @@ impl FormulaValues for Dimensions<'_> {
             });
         };
         for (_, term) in terms {
-            self.require(at, term.measured, known).map_err(|fault| FormulaFault {
+            self.require(at, term.measured, dimension).map_err(|fault| FormulaFault {
                 problem: "a sum of different quantities".into(),
                 ..fault
             })?;
         }
-        Ok(TermAnalysis { measured: TermDimension::Known(known), depends })
+        Ok(known(dimension, depends))
     }
 
     fn product(&mut self, at: usize, factors: Vec<(bool, TermAnalysis)>) -> Valued<TermAnalysis> {
@@ -114,17 +116,10 @@ impl FormulaValues for Dimensions<'_> {
             depends = depends.times(over, factor.depends);
             for (sum, exponent) in product.iter_mut().zip(self.dimension(at, factor.measured)?) {
                 *sum += if over { -exponent } else { exponent };
-                if sum.abs() > HIGHEST {
-                    return Err(FormulaFault::new(
-                        at,
-                        "too high a power",
-                        "a unit",
-                        "a lower power",
-                    ));
-                }
             }
+            limited(at, product)?;
         }
-        Ok(TermAnalysis { measured: TermDimension::Known(product), depends })
+        Ok(known(product, depends))
     }
 
     fn power(&mut self, at: usize, base: TermAnalysis, exponent: f64) -> Valued<TermAnalysis> {
@@ -135,11 +130,9 @@ impl FormulaValues for Dimensions<'_> {
         }
         let twice = (2.0 * exponent) as i32;
         let power = dimension.map(|unit| unit * twice / 2);
-        if power.iter().any(|unit| unit.abs() > HIGHEST) {
-            return Err(FormulaFault::new(at, "too high a power", "a unit", "a lower power"));
-        }
+        limited(at, power)?;
         let depends = if exponent == 1.0 { base.depends } else { base.depends.curved() };
-        Ok(TermAnalysis { measured: TermDimension::Known(power), depends })
+        Ok(known(power, depends))
     }
 
     fn call(
@@ -158,7 +151,15 @@ impl FormulaValues for Dimensions<'_> {
                 NONE
             }
         };
-        Ok(TermAnalysis { measured: TermDimension::Known(dimension), depends: of.depends.curved() })
+        Ok(known(dimension, of.depends.curved()))
+    }
+}
+
+/// Refuses a dimension with too high an exponent.
+fn limited(at: usize, dimension: Dimension) -> Valued<()> {
+    match dimension.iter().any(|exponent| exponent.abs() > HIGHEST) {
+        true => Err(FormulaFault::new(at, "too high a power", "a unit", "a lower power")),
+        false => Ok(()),
     }
 }
 

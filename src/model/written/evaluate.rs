@@ -87,7 +87,7 @@ impl Bodies {
         }
         match &term.content {
             TermContent::Number(value, place) => {
-                Ok(values.number(*value, formula.numbers[*place], *place))
+                Ok(values.number(*value, formula.dimension_of(*place), *place))
             }
             TermContent::Quantity(value, dimension) => Ok(values.quantity(*value, *dimension)),
             TermContent::Name(name) => match self.whole(term) {

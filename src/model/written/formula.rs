@@ -1,5 +1,9 @@
 //! A formula of a system file: its text and its tree.
 
+use std::sync::OnceLock;
+
+use crate::named::named;
+
 /// The longest text of a formula, in bytes.
 pub const LONGEST_FORMULA: usize = 10_000;
 
@@ -9,8 +13,10 @@ pub struct Formula {
     /// The text.
     pub text: String,
     pub(super) root: FormulaTerm,
-    /// The dimension of each number, by its place in the text.
-    pub(super) numbers: Vec<Dimension>,
+    /// How many numbers it contains.
+    pub(super) numbers: usize,
+    /// The dimension of each number, by its place in the text, once a check has found it.
+    pub(super) dimensions: OnceLock<Vec<Dimension>>,
 }
 
 /// What is wrong in a formula.
@@ -102,23 +108,16 @@ pub(super) enum FormulaFunction {
     Logarithm,
 }
 
-impl FormulaFunction {
-    pub const ALL: [(&str, FormulaFunction); 8] = [
-        ("sin", FormulaFunction::Sine),
-        ("cos", FormulaFunction::Cosine),
-        ("tan", FormulaFunction::Tangent),
-        ("exp", FormulaFunction::Exponential),
-        ("sqrt", FormulaFunction::SquareRoot),
-        ("tanh", FormulaFunction::HyperbolicTangent),
-        ("atan", FormulaFunction::ArcTangent),
-        ("log", FormulaFunction::Logarithm),
-    ];
-
-    /// Returns the name in formulas.
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, function)| *function == self).map_or("", |(name, _)| name)
-    }
-}
+named!(FormulaFunction {
+    Sine: "sin",
+    Cosine: "cos",
+    Tangent: "tan",
+    Exponential: "exp",
+    SquareRoot: "sqrt",
+    HyperbolicTangent: "tanh",
+    ArcTangent: "atan",
+    Logarithm: "log",
+});
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ComparisonSign {
@@ -156,12 +155,22 @@ impl Formula {
     /// Returns the formula of a value in the SI unit of a dimension.
     pub fn quantity(value: f64, dimension: Dimension) -> Formula {
         let root = FormulaTerm { at: 0, content: TermContent::Quantity(value, dimension) };
-        Formula { text: value.to_string(), root, numbers: Vec::new() }
+        Formula::of_tree(value.to_string(), root, 0)
     }
 
     /// Returns the formula of a number.
     pub fn number(value: f64) -> Formula {
         let root = FormulaTerm { at: 0, content: TermContent::Number(value, 0) };
-        Formula { text: value.to_string(), root, numbers: vec![NONE] }
+        Formula::of_tree(value.to_string(), root, 1)
+    }
+
+    /// Returns the formula of a tree with this many numbers.
+    pub(super) fn of_tree(text: String, root: FormulaTerm, numbers: usize) -> Formula {
+        Formula { text, root, numbers, dimensions: OnceLock::new() }
+    }
+
+    /// Returns the dimension of a number; none before a check has found it.
+    pub(super) fn dimension_of(&self, number: usize) -> Dimension {
+        self.dimensions.get().map_or(NONE, |all| all[number])
     }
 }

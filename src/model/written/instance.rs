@@ -1,7 +1,7 @@
 //! A system with certain numbers of bodies: its coordinates, contacts and equations, one by one.
 
 use super::definition::{
-    IndexedName, SystemDefinition, WrittenContact, WrittenNormal, WrittenOutput,
+    IndexedName, SystemDefinition, WrittenContact, WrittenCoordinate, WrittenNormal, WrittenOutput,
 };
 use super::dependence::Dependence;
 use super::dimensions::{Dimensions, TermAnalysis, TermDimension};
@@ -24,7 +24,6 @@ pub(super) struct Member {
 pub(super) struct Instance<'d> {
     pub definition: &'d SystemDefinition,
     pub bodies: Bodies,
-    pub names: SystemNames,
     pub coordinates: Vec<Member>,
     pub contacts: Vec<Member>,
     pub outputs: Vec<Member>,
@@ -48,7 +47,6 @@ impl<'d> Instance<'d> {
         let counts: Vec<_> = counts.map(|given| (given.name.clone(), count(&given.name))).collect();
         let indices = definition.repeat.iter().map(|(index, of)| (index.clone(), count(of)));
         let bodies = Bodies { indices: indices.collect(), counts, ..Bodies::default() };
-        let names = SystemNames::of(definition, &bodies);
         let members = |index: &Option<String>, of: usize| -> Vec<Member> {
             match index.as_ref().and_then(|index| bodies.of(index)) {
                 Some(count) => (1..=count).map(|body| Member { of, body: Some(body) }).collect(),
@@ -64,7 +62,6 @@ impl<'d> Instance<'d> {
             outputs: outputs.flat_map(|(of, given)| members(&given.index, of)).collect(),
             positions: Vec::new(),
             definition,
-            names,
             bodies,
         };
         // A contact that slides and has few coordinates chooses first, so that results show many of them.
@@ -79,15 +76,13 @@ impl<'d> Instance<'d> {
                 named.extend(found.map_err(fault)?.1.appearing);
             }
             let numbers = named.iter().filter_map(|(name, body)| instance.number_of(name, *body));
-            let mut numbers: Vec<usize> = numbers.collect();
-            let mut seen = Vec::new();
-            numbers.retain(|coordinate| {
-                !seen.contains(coordinate) && {
-                    seen.push(*coordinate);
-                    true
+            let mut distinct = Vec::new();
+            for coordinate in numbers {
+                if !distinct.contains(&coordinate) {
+                    distinct.push(coordinate);
                 }
-            });
-            candidates.push((number, numbers));
+            }
+            candidates.push((number, distinct));
         }
         let slides = |number: usize| instance.contact_definition(number).sliding.is_some();
         candidates.sort_by_key(|(number, numbers)| (!slides(*number), numbers.len()));
@@ -98,6 +93,10 @@ impl<'d> Instance<'d> {
         }
         instance.positions = positions.into_iter().map(|position| position.unwrap_or(0)).collect();
         Ok(instance)
+    }
+
+    fn names(&self) -> SystemNames<'_> {
+        SystemNames { definition: self.definition, bodies: &self.bodies }
     }
 
     /// Returns the definition of a contact, with the body that it belongs to.
@@ -157,9 +156,14 @@ impl<'d> Instance<'d> {
         self.coordinates.iter().position(is_it)
     }
 
+    /// Returns the definition of a coordinate.
+    pub fn coordinate(&self, number: usize) -> &'d WrittenCoordinate {
+        &self.definition.coordinates[self.coordinates[number].of]
+    }
+
     /// Returns whether a coordinate is an angle that goes round and round.
     pub fn is_periodic(&self, coordinate: usize) -> bool {
-        self.definition.coordinates[self.coordinates[coordinate].of].periodic
+        self.coordinate(coordinate).periodic
     }
 
     /// Returns whether the sliding speed of a contact has the same factors of the rates of change in all states.
@@ -177,8 +181,8 @@ impl<'d> Instance<'d> {
         bodies: &mut Bodies,
     ) -> Valued<(TermAnalysis, Dimensions<'_>)> {
         let mut values = Dimensions {
-            names: &self.names,
-            numbers: vec![None; formula.numbers.len()],
+            names: self.names(),
+            numbers: vec![None; formula.numbers],
             checks: self.definition.has_units(),
             appearing: Vec::new(),
         };
@@ -207,7 +211,7 @@ impl<'d> Instance<'d> {
                     (None, Some(_)) if N > 1 && index.is_some() && of.is_some() => continue 'bodies,
                     _ => {
                         let meaning = Name { name, primes: 0, body: None };
-                        let fault = self.names.find(0, &meaning, of).err();
+                        let fault = self.names().find(0, &meaning, of).err();
                         let other = || {
                             FormulaFault::new(0, "not a coordinate", &place.0.text, "a coordinate")
                         };

@@ -2,17 +2,13 @@
 
 use super::definition::SystemDefinition;
 use super::evaluate::Bodies;
-use super::formula::{Dimension, Formula, FormulaFault, NONE, Name, Valued, WHOLE};
+use super::formula::{Dimension, Formula, FormulaFault, NONE, Name, TermContent, Valued, WHOLE};
 
 /// The names of a system with certain numbers of bodies.
-#[derive(Clone, Debug)]
-pub(super) struct SystemNames {
-    parameters: Vec<(String, Dimension)>,
-    coordinates: Vec<(String, Option<i64>, Dimension)>,
-    /// The angle of the part that turns.
-    turning: Option<String>,
-    /// The motions that tables give.
-    motions: Vec<(String, Dimension)>,
+#[derive(Clone, Copy)]
+pub(super) struct SystemNames<'a> {
+    pub definition: &'a SystemDefinition,
+    pub bodies: &'a Bodies,
 }
 
 /// What a name means.
@@ -31,29 +27,10 @@ pub(super) enum Meaning {
 pub(super) const RESERVED: [&str; 12] =
     ["t", "pi", "sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan", "sum", "if"];
 
-impl SystemNames {
-    pub fn of(definition: &SystemDefinition, bodies: &Bodies) -> SystemNames {
-        let parameters = definition.parameters.iter();
-        let coordinates = definition.coordinates.iter().map(|coordinate| {
-            let count = coordinate.index.as_ref().and_then(|index| bodies.of(index));
-            (coordinate.name.clone(), count, coordinate.unit.dimension)
-        });
-        SystemNames {
-            parameters: parameters
-                .map(|parameter| (parameter.name.clone(), parameter.unit.dimension))
-                .collect(),
-            coordinates: coordinates.collect(),
-            turning: definition.turning.as_ref().map(|turning| turning.angle.clone()),
-            motions: definition
-                .motions
-                .iter()
-                .map(|motion| (motion.name.clone(), motion.unit.dimension))
-                .collect(),
-        }
-    }
-
+impl SystemNames<'_> {
     /// Returns what a name means, and its dimension.
     pub fn find(&self, at: usize, name: &Name, body: Option<i64>) -> Valued<(Meaning, Dimension)> {
+        let definition = self.definition;
         let text = name.name.as_str();
         let shown = format!("`{text}{}`", "'".repeat(name.primes));
         let of_one = |body: Option<i64>, count: Option<i64>| match (body, count) {
@@ -77,12 +54,16 @@ impl SystemNames {
                 Err(FormulaFault::new(at, "only one body", &shown, allowed))
             }
         };
-        let turns = self.turning.as_deref() == Some(text);
-        let given = self.motions.iter().find(|known| known.0 == text);
+        let turns = definition.turning.as_ref().is_some_and(|turning| turning.angle == text);
+        let given = definition.motions.iter().find(|known| known.name == text);
         let angle = turns.then_some((None, NONE));
-        let angle = angle.or(given.map(|known| (None, known.1)));
-        let coordinate = self.coordinates.iter().find(|known| known.0 == text);
-        if let Some((count, dimension)) = coordinate.map(|known| (known.1, known.2)).or(angle) {
+        let angle = angle.or(given.map(|known| (None, known.unit.dimension)));
+        let coordinate = definition.coordinates.iter().find(|known| known.name == text);
+        let coordinate = coordinate.map(|known| {
+            let count = known.index.as_ref().and_then(|index| self.bodies.of(index));
+            (count, known.unit.dimension)
+        });
+        if let Some((count, dimension)) = coordinate.or(angle) {
             of_one(body, count)?;
             let [mass, length, time] = dimension;
             let meaning = |of_coordinate| match (turns, given) {
@@ -105,8 +86,8 @@ impl SystemNames {
             "t" => Some((Meaning::Time, [0, 0, WHOLE])),
             "pi" => Some((Meaning::Constant, NONE)),
             _ => {
-                let parameter = self.parameters.iter().find(|known| known.0 == text);
-                parameter.map(|known| (Meaning::Constant, known.1))
+                let parameter = definition.parameters.iter().find(|known| known.name == text);
+                parameter.map(|known| (Meaning::Constant, known.unit.dimension))
             }
         };
         match constant {
@@ -116,12 +97,12 @@ impl SystemNames {
             }
             Some(constant) => Ok(constant),
             None => {
-                let coordinates = self.coordinates.iter().map(|known| known.0.clone());
-                let parameters = self.parameters.iter().map(|known| known.0.clone());
-                let motions = self.motions.iter().map(|known| known.0.clone());
-                let names =
-                    coordinates.chain(parameters).chain(self.turning.clone()).chain(motions);
-                let names = names.chain(["t", "pi"].map(str::to_owned));
+                let coordinates = definition.coordinates.iter().map(|known| &known.name);
+                let parameters = definition.parameters.iter().map(|known| &known.name);
+                let turning = definition.turning.iter().map(|turning| &turning.angle);
+                let motions = definition.motions.iter().map(|known| &known.name);
+                let names = coordinates.chain(parameters).chain(turning).chain(motions);
+                let names = names.cloned().chain(["t", "pi"].map(str::to_owned));
                 Err(FormulaFault {
                     names: names.collect(),
                     ..FormulaFault::new(at, "unknown name", text, "")
@@ -134,7 +115,7 @@ impl SystemNames {
 /// Returns the coordinate and the body that a place such as `x[block + 1]` names.
 pub(super) fn place_of(place: &Formula, bodies: &Bodies) -> Valued<(String, Option<i64>)> {
     match &place.root.content {
-        super::formula::TermContent::Name(Name { name, primes: 0, body }) => {
+        TermContent::Name(Name { name, primes: 0, body }) => {
             let body = body.as_ref().map(|body| bodies.index(body)).transpose()?;
             Ok((name.clone(), body))
         }

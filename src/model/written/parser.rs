@@ -1,8 +1,8 @@
 //! Reads the text of a formula: sums, products, powers, functions, and `sum(body, ...)`.
 
 use super::formula::{
-    ComparisonSign, Formula, FormulaFault, FormulaFunction, FormulaTerm, LONGEST_FORMULA, NONE,
-    Name, TermContent, Valued,
+    ComparisonSign, Formula, FormulaFault, FormulaFunction, FormulaTerm, LONGEST_FORMULA, Name,
+    TermContent, Valued,
 };
 
 /// The deepest nesting of parentheses.
@@ -19,7 +19,7 @@ impl Formula {
     /// Parses a text.
     pub fn parse(text: &str) -> Valued<Formula> {
         let (root, numbers) = parsed(text)?;
-        Ok(Formula { text: text.to_owned(), root, numbers: vec![NONE; numbers] })
+        Ok(Formula::of_tree(text.to_owned(), root, numbers))
     }
 }
 
@@ -249,14 +249,14 @@ impl<'t> Parser<'t> {
 
     fn call(&mut self, at: usize, name: &str) -> Valued<FormulaTerm> {
         self.expect("(")?;
-        let content = match (name, FormulaFunction::ALL.iter().find(|(known, _)| *known == name)) {
+        let content = match (name, FormulaFunction::ALL.iter().find(|known| known.name() == name)) {
             ("sum", _) => {
                 let index = self.name().to_owned();
                 self.expect(",")?;
                 TermContent::SumOver(index, Box::new(self.sum()?))
             }
             ("if", _) => self.choice()?,
-            (_, Some((_, function))) => TermContent::Call(*function, Box::new(self.sum()?)),
+            (_, Some(function)) => TermContent::Call(*function, Box::new(self.sum()?)),
             _ => return Err(unknown_function(at, name)),
         };
         self.expect(")")?;
@@ -313,7 +313,7 @@ fn constant(term: &FormulaTerm) -> Option<f64> {
 }
 
 fn unknown_function(at: usize, name: &str) -> FormulaFault {
-    let names: Vec<&str> = FormulaFunction::ALL.iter().map(|(name, _)| *name).collect();
+    let names: Vec<&str> = FormulaFunction::ALL.iter().map(|known| known.name()).collect();
     let all = format!("{}, sum and if", names.join(", "));
     if KINKED.contains(&name) {
         let allowed = format!(

@@ -64,7 +64,7 @@ impl Instance<'_> {
         let slopes = self.slopes(values, &ranges, 0.0, &all)?;
         let definition = instance.definition;
         // The largest speed at which an angle turns at the start.
-        let turns = |i: &usize| definition.coordinates[instance.coordinates[*i].of].periodic;
+        let turns = |i: &usize| instance.is_periodic(*i);
         let turning = (0..n).filter(turns).map(|i| reach[i][1]).fold(0.0, f64::max);
         let [stiffness, damping] = slopes.map(|slopes| largest_eigenvalue(&slopes));
         let forcing = period.map_or(0.0, |period| TAU / period.abs());
@@ -95,9 +95,7 @@ impl Instance<'_> {
             1.0,
         ];
         let rate = rate.into_iter().find(|rate| rate.is_finite() && *rate > 0.0).unwrap_or(1.0);
-        let is_length = |i: &usize| {
-            definition.coordinates[instance.coordinates[*i].of].unit.dimension == [0, WHOLE, 0]
-        };
+        let is_length = |i: &usize| instance.coordinate(*i).unit.dimension == [0, WHOLE, 0];
         let amplitude =
             |i: usize| size(i).max(reach[i][1] / rate).max(acceleration[i].abs() / (rate * rate));
         let amplitudes: Vec<f64> = (0..n).map(amplitude).collect();
@@ -224,6 +222,8 @@ fn largest_eigenvalue(matrix: &DMatrix<f64>) -> f64 {
     }
     let schur = Schur::try_new(matrix.clone(), f64::EPSILON, 10_000);
     let eigenvalues = schur.map(|schur| schur.complex_eigenvalues());
+    eigenvalues.map_or(0.0, |all| all.iter().map(|value| value.norm()).fold(0.0, f64::max))
+}
 
 /// Returns the smallest pivot of a symmetric matrix over the entry on its diagonal, and its row. A pivot that is not positive is
 /// the last one, and counts as 0; what is not finite fails as such.
@@ -244,6 +244,4 @@ pub(super) fn smallest_pivot(mut matrix: Vec<Vec<f64>>) -> (f64, usize) {
         }
     }
     smallest
-}
-    eigenvalues.map_or(0.0, |all| all.iter().map(|value| value.norm()).fold(0.0, f64::max))
 }

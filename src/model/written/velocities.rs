@@ -131,9 +131,8 @@ impl Instance<'_> {
             // Nothing may depend on a length of a body whose contacts open, such as the height of one that falls; its angles
             // say how large the gaps are.
             let opens = self.has_gap(contact);
-            let unit =
-                |place: &usize| &self.definition.coordinates[self.coordinates[*place].of].unit;
-            let is_preferred = |place: &usize| opens && unit(place).dimension[1] == WHOLE;
+            let length = |place: &usize| self.coordinate(*place).unit.dimension[1];
+            let is_preferred = |place: &usize| opens && length(place) == WHOLE;
             let largest = free.max_by(|left, right| {
                 let preferred = is_preferred(left).cmp(&is_preferred(right));
                 preferred.then(size(left).total_cmp(&size(right))).then(right.cmp(left))
@@ -164,8 +163,7 @@ impl Instance<'_> {
         chosen: &[SpeedOf],
         numeric: NamedValues<'_, f64>,
     ) -> Valued<Vec<SpeedOf>> {
-        let is_periodic =
-            |(of, _): &(usize, f64)| self.definition.coordinates[self.coordinates[*of].of].periodic;
+        let is_periodic = |(of, _): &(usize, f64)| self.is_periodic(*of);
         let mut rates = Rates::<f64>::identity(self.coordinates.len());
         let mut integrals = Vec::new();
         for (contact, speed_of) in chosen.iter().enumerate() {
