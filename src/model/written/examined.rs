@@ -20,7 +20,6 @@ use crate::model::{FRICTION_COEFFICIENT, FrictionLaw, ImpactLaw, InvalidParamete
 pub(super) struct ExaminedSystem {
     /// The system without dimensions.
     pub system: Arc<WrittenSystem>,
-    pub scales: Scales,
     /// The unit of the sliding speed of each contact, in SI units.
     pub speeds: Vec<f64>,
     /// The dimension of each output.
@@ -101,7 +100,7 @@ impl ExaminedSystem {
             let found = "not finite in the middle of the start ranges";
             sound = Err(invalid("a mass or a force", found, "a finite number there"));
         } else if let Some(number) = without_energy {
-            let coordinate = &definition.coordinates[instance.coordinates[number].of].name;
+            let coordinate = &instance.coordinate(number).name;
             let found = format!(
                 "not positive definite in the middle of the start ranges, in the row of {coordinate}"
             );
@@ -141,8 +140,8 @@ impl ExaminedSystem {
                 ),
             });
         }
-        for (number, member) in instance.coordinates.iter().enumerate() {
-            let coordinate = &definition.coordinates[member.of];
+        for number in 0..instance.coordinates.len() {
+            let coordinate = instance.coordinate(number);
             if coordinate.periodic && !instance.repeats(values, &states, (1.0, Some(number)))? {
                 let found = "periodic, but not all formulas are the same after a turn";
                 sound = Err(invalid(&coordinate.name, found, "a coordinate without `periodic`"));
@@ -180,7 +179,7 @@ impl ExaminedSystem {
             instance,
         };
         system.has_one_solution = sound.is_ok() && system.always_decides_in_one_way();
-        Ok(ExaminedSystem { system: Arc::new(system), scales, speeds, outputs, sound })
+        Ok(ExaminedSystem { system: Arc::new(system), speeds, outputs, sound })
     }
 
     /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.

@@ -34,7 +34,7 @@ impl WrittenSystem {
             .first()
             .map_or(0.0, |clock| clock * self.period.map_or(1.0, |period| period / TAU));
         let time = time * self.units.time;
-        let parameters = self.parameters_at(&self.values, &self.stage, time);
+        let parameters = instance.parameters_in_stage(&self.values, &self.stage, time);
         let base =
             NamedValues { scales: self.scales, parameters: &parameters, coordinates: &[], time };
         let [shapes, rates] = &self.coordinates;
@@ -96,7 +96,7 @@ impl WrittenSystem {
         let values: Vec<Bounded> = self.values.iter().map(|x| Bounded::constant(*x)).collect();
         let stage = self.stage.map(Bounded::constant);
         let (scales, time) = (self.scales, bounded(time));
-        let parameters = self.parameters_at(&values, &stage, time);
+        let parameters = instance.parameters_in_stage(&values, &stage, time);
         let mut coordinates = instance.named(|number| at(number).map(bounded));
         let mut numeric =
             NamedValues { scales, parameters: &parameters, coordinates: &coordinates, time };

@@ -28,23 +28,25 @@ impl Instance<'_> {
         scales: Scales,
         time: T,
     ) -> Vec<(&str, usize, T)> {
-        let speed = self.definition.speed_place().map(|place| values[place]);
-        let terms = GivenTerms::at_rest(self.definition, scales).map(T::constant);
-        self.parameters_and_motions(values, terms.turned_at(speed, time), terms.given_at(time))
+        let at_rest = GivenTerms::at_rest(self.definition, scales).map(T::constant);
+        self.parameters_in_stage(values, &at_rest, time)
     }
 
-    /// Returns the parameters by name, and the angle that turns and the given motions with their rates of change.
-    pub fn parameters_and_motions<T: Copy>(
+    /// Returns the parameters by name, and the angle that turns and the given motions with their rates of change at a time since
+    /// the begin of a stage.
+    pub fn parameters_in_stage<T: Scalar>(
         &self,
         values: &[T],
-        turned: Option<[T; 3]>,
-        given: impl Iterator<Item = [T; 3]>,
+        stage: &GivenTerms<T>,
+        time: T,
     ) -> Vec<(&str, usize, T)> {
         let names = self.definition.parameters.iter().map(|parameter| parameter.name.as_str());
         let parameters = names.zip(values).map(|(name, value)| (name, 0, *value));
         let angle = self.definition.turning.iter().map(|turning| turning.angle.as_str());
         let motions = self.definition.motions.iter().map(|motion| motion.name.as_str());
-        let moving = angle.zip(turned).chain(motions.zip(given));
+        let speed = self.definition.speed_place().map(|place| values[place]);
+        let turned = stage.turned_at(speed, time);
+        let moving = angle.zip(turned).chain(motions.zip(stage.given_at(time)));
         let moving = moving.flat_map(|(name, values)| {
             (0..).zip(values).map(move |(primes, value)| (name, primes, value))
         });

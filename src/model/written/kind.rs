@@ -230,10 +230,14 @@ impl WrittenKind {
         Ok(OutputName { name, unit, meaning: meaning.clone() })
     }
 
-    /// Returns a part of a model that has been validated.
-    fn part<T: Default>(part: Valued<T>) -> T {
+    /// Returns what a system with the numbers of bodies of a model computes.
+    fn of_instance<T: Default>(
+        &self,
+        model: &OwnModel,
+        compute: impl FnOnce(&Instance<'static>) -> Valued<T>,
+    ) -> T {
         // A model is validated before it is simulated; what has a fault has no coordinates.
-        part.unwrap_or_default()
+        self.instance(model).and_then(|instance| compute(&instance)).unwrap_or_default()
     }
 }
 
@@ -266,8 +270,8 @@ impl OwnKind for WrittenKind {
     }
 
     fn coordinates(&self, model: &OwnModel) -> Vec<Coordinate> {
-        let all = self.instance(model).and_then(|instance| {
-            let ranges = ranges(&instance, model.values())?;
+        self.of_instance(model, |instance| {
+            let ranges = ranges(instance, model.values())?;
             let of_coordinate = |which: usize| {
                 let members = instance.coordinates.iter().zip(&ranges);
                 members.map(move |(member, range)| {
@@ -283,8 +287,7 @@ impl OwnKind for WrittenKind {
                 })
             };
             Ok(of_coordinate(0).chain(of_coordinate(1)).collect())
-        });
-        Self::part(all)
+        })
     }
 
     fn coordinate_count(&self, model: &OwnModel) -> usize {
@@ -294,9 +297,9 @@ impl OwnKind for WrittenKind {
 
     fn units(&self, model: &OwnModel) -> Units {
         let Ok(examined) = self.examined(model) else { return Units::default() };
-        let ExaminedSystem { scales, speeds, outputs, system, .. } = &*examined;
+        let ExaminedSystem { speeds, outputs, system, .. } = &*examined;
         let instance = &system.instance;
-        let unit = |dimension: Dimension| scales.unit(dimension);
+        let unit = |dimension: Dimension| system.scales.unit(dimension);
         let StateUnits { time, power, positions, .. } = &system.units;
         let second = unit([0, 0, WHOLE]) * time;
         let power = unit([WHOLE, 2 * WHOLE, -3 * WHOLE]) * power;
@@ -346,8 +349,7 @@ impl OwnKind for WrittenKind {
     }
 
     fn small_motions(&self, model: &OwnModel) -> SmallMotionEquations {
-        let instance = self.instance(model);
-        Self::part(instance.and_then(|instance| instance.small_motions(model.values())))
+        self.of_instance(model, |instance| instance.small_motions(model.values()))
     }
 
     fn speed_place(&self) -> Option<usize> {
@@ -375,11 +377,11 @@ impl OwnKind for WrittenKind {
 
     fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components {
         let state = self.examined(model).and_then(|examined| examined.start_state(start));
-        Self::part(state).into()
+        state.unwrap_or_default().into()
     }
 
     fn output_names(&self, model: &OwnModel) -> Vec<OutputName> {
-        let names = self.instance(model).and_then(|instance| {
+        self.of_instance(model, |instance| {
             let of_coordinate = |which: usize| {
                 instance.coordinates.iter().map(move |member| {
                     let StartName { name, unit, .. } = self.coordinates[member.of][which];
@@ -393,33 +395,30 @@ impl OwnKind for WrittenKind {
             };
             let of_output = |(number, member): (usize, &Member)| {
                 let (output, bodies) = instance.output(number);
-                let OutputName { name, unit, meaning } = self.named(&instance, output, bodies)?;
+                let OutputName { name, unit, meaning } = self.named(instance, output, bodies)?;
                 Ok(OutputName { name: numbered(&name, &unit, member.body), unit, meaning })
             };
             let outputs = instance.outputs.iter().enumerate().map(of_output);
             of_coordinate(0).chain(of_coordinate(1)).chain(outputs).collect()
-        });
-        Self::part(names)
+        })
     }
 
     fn drawing(&self, model: &OwnModel) -> Option<Drawing> {
-        let instance = self.instance(model);
-        Self::part(instance.and_then(|instance| instance.drawing(model.values())))
+        self.of_instance(model, |instance| instance.drawing(model.values()))
     }
 
     fn derived(&self, model: &OwnModel) -> Vec<DerivedQuantity> {
-        let all = self.instance(model).and_then(|instance| {
+        self.of_instance(model, |instance| {
             let value = |formula: &Formula| instance.constant(formula, model.values());
             let range = |[low, high]: &[Formula; 2]| Ok([value(low)?, value(high)?]);
             let derived = |WrittenDerived { quantity, within, usual }: &WrittenDerived| {
                 let is_shown = within.is_none() && usual.is_none();
-                let name = self.named(&instance, quantity, instance.bodies.clone())?;
+                let name = self.named(instance, quantity, instance.bodies.clone())?;
                 let usual = usual.as_ref().map(range).transpose()?;
                 Ok(DerivedQuantity { name, value: value(&quantity.formula)?, usual, is_shown })
             };
             self.definition.derived.iter().map(derived).collect()
-        });
-        Self::part(all)
+        })
     }
 
     fn contact_names(&self, model: &OwnModel) -> Vec<ContactNames> {

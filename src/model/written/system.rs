@@ -96,7 +96,7 @@ impl WrittenSystem {
         };
         let time = time.in_unit(self.units.time);
         let stage = self.stage.map(|_| recorder.parameter("stage"));
-        let parameters = self.parameters_at(&values, &stage, time);
+        let parameters = instance.parameters_in_stage(&values, &stage, time);
         let at_rest = instance.named(|_| [zero; 2]);
         let base = NamedValues {
             scales: self.scales,
@@ -237,18 +237,6 @@ impl WrittenSystem {
 }
 
 impl WrittenSystem {
-    /// Returns the parameters by name, and the angle that turns at a time.
-    pub fn parameters_at<T: Scalar>(
-        &self,
-        values: &[T],
-        stage: &GivenTerms<T>,
-        time: T,
-    ) -> Vec<(&str, usize, T)> {
-        let speed = self.instance.definition.speed_place().map(|place| values[place]);
-        let turned = stage.turned_at(speed, time);
-        self.instance.parameters_and_motions(values, turned, stage.given_at(time))
-    }
-
     /// Returns whether the last component of a state is the time.
     pub fn has_clock(&self) -> bool {
         self.instance.definition.uses_time || self.stage.given_moves()
