@@ -33,14 +33,9 @@ impl RestForm {
 
     /// Returns the positions after a step of each ball, and of each group of balls that touch, in both directions.
     fn moved(&self, beta: &[f64], step: f64) -> Vec<Vec<f64>> {
-        let gaps = self.closed_gaps(beta);
-        let mut group: Vec<usize> = (0..beta.len()).collect();
-        for [first, second] in gaps.iter().flat_map(|_| gaps.iter().map(|gap| gap.contacts)) {
-            let least = group[first].min(group[second]);
-            (group[first], group[second]) = (least, least);
-        }
+        let leader = self.leaders(beta);
         let moved = |ball: usize, together: bool, sign: f64| {
-            let moves = |other: usize| other == ball || (together && group[other] == group[ball]);
+            let moves = |other: usize| other == ball || (together && leader[other] == leader[ball]);
             let room = |from: usize, to: usize| {
                 let ahead = wrap_to_two_pi(sign * (beta[to] - beta[from]));
                 (ahead - self.touching_angle(from, to)).max(0.0)

@@ -106,12 +106,7 @@ pub fn state_matrix(form: &RestForm, beta: &[f64], drag: f64) -> Option<DMatrix<
 
 /// Returns the matrix with a column for the change of all variables with each coordinate.
 fn coordinates(form: &RestForm, beta: &[f64]) -> DMatrix<f64> {
-    // The ball that each ball moves with.
-    let mut leader: Vec<usize> = (0..beta.len()).collect();
-    for gap in form.closed_gaps(beta) {
-        let [from, to] = gap.contacts.map(|ball| leader[ball]);
-        leader.iter_mut().filter(|ball| **ball == from).for_each(|ball| *ball = to);
-    }
+    let leader = form.leaders(beta);
     let leaders: Vec<usize> = (0..beta.len()).filter(|ball| leader[*ball] == *ball).collect();
     let mut matrix = DMatrix::zeros(2 + beta.len(), 2 + leaders.len());
     matrix.view_mut((0, 0), (2, 2)).fill_with_identity();

@@ -57,6 +57,16 @@ impl RestForm {
         closed.map(gap).collect()
     }
 
+    /// Returns for each ball one that it moves with: the same one for all balls of a row in which each touches the next.
+    pub(super) fn leaders(&self, beta: &[f64]) -> Vec<usize> {
+        let mut leader: Vec<usize> = (0..beta.len()).collect();
+        for gap in self.closed_gaps(beta) {
+            let [from, to] = gap.contacts.map(|ball| leader[ball]);
+            leader.iter_mut().filter(|ball| **ball == from).for_each(|ball| *ball = to);
+        }
+        leader
+    }
+
     /// Returns whether friction holds all balls at these angles, with the forces between balls that touch.
     pub fn holds_with_forces(&self, beta: &[f64]) -> bool {
         let z = self.ring_centre(beta);

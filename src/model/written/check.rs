@@ -138,20 +138,17 @@ fn check_formulas<'d>(
             let problem = "the time beside a motion of a table";
             return Err(at(FormulaFault::new(0, problem, "t", allowed)));
         }
-        if let Some(turning) = &instance.definition.turning
-            && contains("t")
-        {
-            let allowed = format!("the angle {} alone: a profile gives it", turning.angle);
-            let problem = "the time beside a part that turns";
-            return Err(at(FormulaFault::new(0, problem, "t", allowed)));
-        }
-        if let Some(turning) = &instance.definition.turning
-            && allowed != Allowed::Constants
-            && contains(&turning.speed)
-        {
-            let allowed = format!("{}', which also follows a speed profile", turning.angle);
-            let problem = "the last speed of a part that turns";
-            return Err(at(FormulaFault::new(0, problem, &turning.speed, allowed)));
+        if let Some(turning) = &instance.definition.turning {
+            if contains("t") {
+                let allowed = format!("the angle {} alone: a profile gives it", turning.angle);
+                let problem = "the time beside a part that turns";
+                return Err(at(FormulaFault::new(0, problem, "t", allowed)));
+            }
+            if allowed != Allowed::Constants && contains(&turning.speed) {
+                let allowed = format!("{}', which also follows a speed profile", turning.angle);
+                let problem = "the last speed of a part that turns";
+                return Err(at(FormulaFault::new(0, problem, &turning.speed, allowed)));
+            }
         }
         if let Some((problem, allowed)) = allowed.refuses(depends) {
             return Err(at(FormulaFault::new(0, problem, formula.text.as_str(), allowed)));
