@@ -37,17 +37,8 @@ const POINTERS: [Register; 8] = [
     Register::R11,
 ];
 
-/// A program without machine code, for example because it reads a cell that it does not have.
-pub(super) struct NotEncoded;
-
-impl From<IcedError> for NotEncoded {
-    fn from(_: IcedError) -> Self {
-        NotEncoded
-    }
-}
-
-/// Whether instructions were written.
-pub(super) type Encoded<T = ()> = Result<T, NotEncoded>;
+/// `None` for a program without machine code, for example because it reads a cell that it does not have.
+pub(super) type Encoded<T = ()> = Option<T>;
 
 /// Less than; false for NaN, which raises no exception.
 const LESS: u32 = 0x11;
@@ -137,7 +128,7 @@ impl Encoder {
                 self.ranges.push((range, register));
             }
         }
-        Ok(place)
+        Some(place)
     }
 
     /// Ends a function.
@@ -152,8 +143,8 @@ impl Encoder {
     }
 
     fn put(&mut self, instruction: Result<Instruction, IcedError>) -> Encoded {
-        self.position += self.assembler.encode(&instruction?, self.position)? as u64;
-        Ok(())
+        self.position += self.assembler.encode(&instruction.ok()?, self.position).ok()? as u64;
+        Some(())
     }
 
     fn pick(&self, [eight, four, one]: [Code; 3]) -> Code {
@@ -235,13 +226,13 @@ impl Encoder {
     }
 
     /// Clears the sign of each number.
-    pub(super) fn size(&mut self, to: usize, of: Operand) -> Encoded {
+    pub(super) fn size(&mut self, to: usize, of: usize) -> Encoded {
         let code = self.pick([
             Code::EVEX_Vpandq_zmm_k1z_zmm_zmmm512b64,
             Code::VEX_Vandpd_ymm_ymm_ymmm256,
             Code::VEX_Vandpd_xmm_xmm_xmmm128,
         ]);
-        self.three(code, to, self.all_registers() - 1, of)
+        self.three(code, to, self.all_registers() - 1, Operand::Register(of))
     }
 
     three! {
@@ -280,7 +271,7 @@ impl Encoder {
                 let compare = Code::EVEX_Vcmppd_kr_k1_zmm_zmmm512b64_imm8_sae;
                 self.put(Instruction::with4(compare, Register::K1, a, b, LESS))?;
                 let blend = Code::EVEX_Vblendmpd_zmm_k1z_zmm_zmmm512b64;
-                let mut blend = Instruction::with3(blend, to, other, then)?;
+                let mut blend = Instruction::with3(blend, to, other, then).ok()?;
                 blend.set_op_mask(Register::K1);
                 self.put(Ok(blend))
             }

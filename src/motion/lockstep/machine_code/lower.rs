@@ -59,14 +59,32 @@ pub(super) struct Line {
     pub(super) stores: bool,
 }
 
-/// A number that a line reads or computes.
+/// A number that a line reads or computes, and where it is.
+#[derive(Default)]
 pub(super) struct Value {
     /// The cell in which it is stored, if it is stored. Partial sums use the cell of the sum.
     pub(super) cell: Cell,
-    /// Whether the cell contains it at the start.
-    pub(super) is_input: bool,
-    /// The lines that read it.
+    /// Whether the cell contains it: at the start, if it is an input.
+    pub(super) is_in_memory: bool,
+    /// Whether its cell is stored in the end; before, the cell is its own.
+    pub(super) is_stored: bool,
+    /// Whether it waits in a free cell.
+    pub(super) is_waiting: bool,
+    pub(super) register: Option<usize>,
+    /// The lines that read it, and how many of them are past.
     pub(super) reads: Vec<u32>,
+    pub(super) past: usize,
+}
+
+impl Value {
+    pub(super) fn next_read(&self) -> Option<u32> {
+        self.reads.get(self.past).copied()
+    }
+
+    /// Whether no line after this one reads it.
+    pub(super) fn ends_at(&self, line: u32) -> bool {
+        self.reads.last().is_none_or(|last| *last <= line)
+    }
 }
 
 /// The lines of a part of a program.
@@ -142,8 +160,8 @@ struct Lowering<F> {
 }
 
 impl<F: Fn(Cell) -> bool> Lowering<F> {
-    fn value(&mut self, cell: Cell, is_input: bool) -> Id {
-        self.lowered.values.push(Value { cell, is_input, reads: Vec::new() });
+    fn value(&mut self, cell: Cell, is_in_memory: bool) -> Id {
+        self.lowered.values.push(Value { cell, is_in_memory, ..Value::default() });
         (self.lowered.values.len() - 1) as Id
     }
 

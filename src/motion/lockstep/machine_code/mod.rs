@@ -161,9 +161,9 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<CodePart>> {
         let cells = lowered.values.iter().map(|value| value.cell);
         let is_size = |line: &Line| matches!(line.operation, MachineOperation::Size(_));
         let has_sizes = lowered.lines.iter().any(is_size);
-        parts.push(CodePart::Code(encoder.begin(cells, has_sizes).ok()?));
-        registers::assign(lowered, encoder, program.cells).ok()?;
-        encoder.end().ok()?;
+        parts.push(CodePart::Code(encoder.begin(cells, has_sizes)?));
+        registers::assign(lowered, encoder, program.cells)?;
+        encoder.end()?;
         rest = later;
     }
     Some(parts)

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use super::encode::{Encoded, Encoder, NotEncoded, Operand};
+use super::encode::{Encoded, Encoder, Operand};
 use super::lower::{Id, Line, Lowered, MachineOperation, Value};
 use crate::graph::Cell;
 
@@ -15,67 +15,30 @@ struct Registers<'e> {
     encoder: &'e mut Encoder,
     /// The value in each register.
     holds: Vec<Option<Id>>,
-    values: Vec<Held>,
+    values: Vec<Value>,
     /// The cells of values that no later code reads. A value that leaves its register waits in the lowest free one.
     free: BTreeSet<Cell>,
 }
 
-/// Where a value is.
-struct Held {
-    cell: Cell,
-    is_in_memory: bool,
-    /// Whether its cell is stored in the end; before, the cell is its own.
-    is_stored: bool,
-    /// Whether it waits in a free cell.
-    is_waiting: bool,
-    register: Option<usize>,
-    /// The lines that read it, and how many of them are past.
-    reads: Vec<u32>,
-    past: usize,
-}
-
-impl Held {
-    fn next_read(&self) -> Option<u32> {
-        self.reads.get(self.past).copied()
-    }
-
-    /// Whether no line after this one reads it.
-    fn ends_at(&self, line: u32) -> bool {
-        self.reads.last().is_none_or(|last| *last <= line)
-    }
-}
-
 /// Writes the code of the lines.
 pub(super) fn assign(lowered: Lowered, encoder: &mut Encoder, cells: usize) -> Encoded {
-    if lowered.values.iter().any(|value| value.cell as usize >= cells) {
-        return Err(NotEncoded);
+    let Lowered { lines, mut values } = lowered;
+    if values.iter().any(|value| value.cell as usize >= cells) {
+        return None;
     }
-    let cell = |line: &Line| lowered.values[line.result as usize].cell;
-    let (stored, others): (Vec<&Line>, Vec<&Line>) =
-        lowered.lines.iter().partition(|line| line.stores);
+    let cell = |line: &Line| values[line.result as usize].cell;
+    let (stored, others): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|line| line.stores);
     let stored: BTreeSet<Cell> = stored.into_iter().map(cell).collect();
     let others: BTreeSet<Cell> = others.into_iter().map(cell).collect();
     let free = others.difference(&stored).copied().collect();
-    let held = |value: Value| Held {
-        cell: value.cell,
-        is_in_memory: value.is_input,
-        is_stored: stored.contains(&value.cell),
-        is_waiting: false,
-        register: None,
-        reads: value.reads,
-        past: 0,
-    };
-    let count = encoder.registers();
-    let values = lowered.values.into_iter().map(held).collect();
-    let mut registers = Registers { encoder, holds: vec![None; count], values, free };
-    for (at, line) in (0..).zip(&lowered.lines) {
-        registers.line(at, line)?;
-    }
-    Ok(())
+    values.iter_mut().for_each(|value| value.is_stored = stored.contains(&value.cell));
+    let holds = vec![None; encoder.registers()];
+    let mut registers = Registers { encoder, holds, values, free };
+    (0..).zip(&lines).try_for_each(|(at, line)| registers.line(at, line))
 }
 
 impl Registers<'_> {
-    fn of(&self, id: Id) -> &Held {
+    fn of(&self, id: Id) -> &Value {
         &self.values[id as usize]
     }
 
@@ -86,17 +49,17 @@ impl Registers<'_> {
             if keep.contains(&register) {
                 continue;
             }
-            let Some(id) = held else { return Ok(register) };
+            let Some(id) = held else { return Some(register) };
             let next = self.of(*id).next_read().unwrap_or(u32::MAX);
             if furthest.0.is_none() || next > furthest.1 {
                 furthest = (Some((register, *id)), next);
             }
         }
-        let (register, id) = furthest.0.ok_or(NotEncoded)?;
+        let (register, id) = furthest.0?;
         let value = &mut self.values[id as usize];
         if !value.is_in_memory && value.next_read().is_some() {
             if !value.is_stored {
-                value.cell = self.free.pop_first().ok_or(NotEncoded)?;
+                value.cell = self.free.pop_first()?;
                 value.is_waiting = true;
             }
             value.is_in_memory = true;
@@ -104,7 +67,7 @@ impl Registers<'_> {
         }
         value.register = None;
         self.holds[register] = None;
-        Ok(register)
+        Some(register)
     }
 
     fn hold(&mut self, register: usize, id: Id) {
@@ -124,7 +87,7 @@ impl Registers<'_> {
             }
         };
         keep.push(register);
-        Ok(register)
+        Some(register)
     }
 
     /// Returns where an instruction reads a value that it can read in memory.
@@ -142,57 +105,52 @@ impl Registers<'_> {
             self.holds.iter().enumerate().any(|(at, held)| !keep.contains(&at) && makes_way(held))
         };
         if value.register.is_none() && !later.is_some_and(is_sooner) {
-            return Ok(Operand::Cell(value.cell));
+            return Some(Operand::Cell(value.cell));
         }
         self.load(id, keep).map(Operand::Register)
     }
 
-    /// Returns two factors, the first in a register.
-    fn factors(
+    /// Returns two operands, the first in a register; they may be exchanged if they are `factors`.
+    fn operands(
         &mut self,
         [a, b]: [Id; 2],
+        factors: bool,
         line: u32,
         keep: &mut Vec<usize>,
     ) -> Encoded<(usize, Operand)> {
-        let swaps = self.of(a).register.is_none() && self.of(b).register.is_some();
+        let swaps = factors && self.of(a).register.is_none() && self.of(b).register.is_some();
         let [a, b] = if swaps { [b, a] } else { [a, b] };
-        Ok((self.load(a, keep)?, self.place(b, line, keep)?))
+        Some((self.load(a, keep)?, self.place(b, line, keep)?))
     }
 
     /// Returns a register for a result: that of a value which no later line reads, or a free one.
     fn result(&mut self, reads: &[Id], line: u32, keep: &[usize]) -> Encoded<usize> {
         let ends = |id: &&Id| self.of(**id).ends_at(line) && self.of(**id).register.is_some();
-        match reads.iter().find(ends).and_then(|id| self.of(*id).register) {
-            Some(register) => Ok(register),
-            None => self.take(keep),
-        }
+        let ending = reads.iter().find(ends).and_then(|id| self.of(*id).register);
+        ending.or_else(|| self.take(keep))
     }
 
     fn line(&mut self, at: u32, line: &Line) -> Encoded {
         let mut keep: Vec<usize> =
             line.operation.reads().filter_map(|id| self.of(id).register).collect();
         let result = match line.operation {
-            MachineOperation::Product(of) => {
-                let (a, b) = self.factors(of, at, &mut keep)?;
+            MachineOperation::Product(of)
+            | MachineOperation::Quotient(of)
+            | MachineOperation::Smaller(of)
+            | MachineOperation::Larger(of) => {
+                let factors = matches!(line.operation, MachineOperation::Product(_));
+                let (a, b) = self.operands(of, factors, at, &mut keep)?;
                 let result = self.result(&of, at, &keep)?;
-                self.encoder.product(result, a, b)?;
-                result
-            }
-            MachineOperation::Quotient([of, by])
-            | MachineOperation::Smaller([of, by])
-            | MachineOperation::Larger([of, by]) => {
-                let of_in = self.load(of, &mut keep)?;
-                let by_at = self.place(by, at, &mut keep)?;
-                let result = self.result(&[of, by], at, &keep)?;
                 match line.operation {
-                    MachineOperation::Smaller(_) => self.encoder.smaller(result, of_in, by_at)?,
-                    MachineOperation::Larger(_) => self.encoder.larger(result, of_in, by_at)?,
-                    _ => self.encoder.quotient(result, of_in, by_at)?,
+                    MachineOperation::Smaller(_) => self.encoder.smaller(result, a, b)?,
+                    MachineOperation::Larger(_) => self.encoder.larger(result, a, b)?,
+                    MachineOperation::Quotient(_) => self.encoder.quotient(result, a, b)?,
+                    _ => self.encoder.product(result, a, b)?,
                 }
                 result
             }
             MachineOperation::Fused { factors, sum, subtracts } => {
-                let (a, b) = self.factors(factors, at, &mut keep)?;
+                let (a, b) = self.operands(factors, true, at, &mut keep)?;
                 let held = self.of(sum);
                 let is_last = held.ends_at(at) && !factors.contains(&sum);
                 let result = match held.register {
@@ -211,23 +169,18 @@ impl Registers<'_> {
                 self.encoder.fused(result, a, b, subtracts)?;
                 result
             }
-            MachineOperation::SquareRoot(of) => {
+            MachineOperation::SquareRoot(of)
+            | MachineOperation::Size(of)
+            | MachineOperation::Copy(of) => {
                 let register = self.load(of, &mut keep)?;
                 let result = self.result(&[of], at, &keep)?;
-                self.encoder.square_root(result, register)?;
-                result
-            }
-            MachineOperation::Size(of) => {
-                let register = Operand::Register(self.load(of, &mut keep)?);
-                let result = self.result(&[of], at, &keep)?;
-                self.encoder.size(result, register)?;
-                result
-            }
-            MachineOperation::Copy(of) => {
-                let register = self.load(of, &mut keep)?;
-                let result = self.result(&[of], at, &keep)?;
-                if result != register {
-                    self.encoder.copy(result, register)?;
+                match line.operation {
+                    MachineOperation::SquareRoot(_) => {
+                        self.encoder.square_root(result, register)?
+                    }
+                    MachineOperation::Size(_) => self.encoder.size(result, register)?,
+                    _ if result != register => self.encoder.copy(result, register)?,
+                    _ => {}
                 }
                 result
             }
@@ -268,6 +221,6 @@ impl Registers<'_> {
         if value.next_read().is_some() {
             self.hold(result, line.result);
         }
-        Ok(())
+        Some(())
     }
 }
