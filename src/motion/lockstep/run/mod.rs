@@ -1,17 +1,14 @@
 //! Runs a program, in all lanes or for one run: as machine code where the processor and the system allow it, otherwise in an
-//! interpreter. Both compute the same bits. Read first `numbers`, then `interpreter`, and this file last.
+//! interpreter. Both compute the same bits. Read first `numbers`, then this file.
 
-mod interpreter;
 mod numbers;
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::machine_code::MachineCode;
-use super::vector::Vector;
-use crate::graph::Program;
-#[cfg(test)]
-pub(super) use interpreter::run as interpret;
+use super::vector::{Vector, vectorized};
+use crate::graph::{Instruction, Product, Program};
 pub(super) use numbers::Numbers;
 
 /// A program runs so often in the interpreter before its machine code is made, which takes about as long.
@@ -49,6 +46,58 @@ impl Runner {
         if is_new {
             self.runs.fetch_add(1, Ordering::Relaxed);
         }
-        interpreter::run(simd, &self.program, memory);
+        interpret(simd, &self.program, memory);
+    }
+}
+
+/// Runs a program on its cells, instruction by instruction.
+#[inline(never)]
+pub(super) fn interpret<S: Vector, T: Numbers<S>>(simd: S, program: &Program, memory: &mut [T]) {
+    vectorized!(simd, {
+        for instruction in &program.instructions {
+            step(simd, program, memory, instruction);
+        }
+    });
+}
+
+#[inline(always)]
+fn step<S: Vector, T: Numbers<S>>(
+    simd: S,
+    program: &Program,
+    memory: &mut [T],
+    instruction: &Instruction,
+) {
+    macro_rules! at {
+        ($cell:expr) => {
+            memory[$cell as usize]
+        };
+    }
+    match *instruction {
+        Instruction::Sum { out, start, products } => {
+            let mut products = program.products(products).iter();
+            let mut sum = match (start, products.as_slice()) {
+                (Some(start), _) => at!(start),
+                (None, [Product { factors: [a, b], .. }, ..]) => {
+                    products.next();
+                    at!(*a) * at!(*b)
+                }
+                (None, []) => T::of(simd, 0.0),
+            };
+            for &Product { factors: [a, b], subtracts } in products {
+                let a = at!(a);
+                sum = if subtracts { -a } else { a }.times_plus(at!(b), sum);
+            }
+            at!(out) = sum;
+        }
+        Instruction::Quotient { out, of, by } => at!(out) = at!(of) / at!(by),
+        Instruction::SquareRoot { out, of } => at!(out) = at!(of).root(),
+        Instruction::Size { out, of } => at!(out) = at!(of).size(),
+        Instruction::Choice { out, less: [a, b], then, other } => {
+            at!(out) = T::choice([at!(a), at!(b)], at!(then), at!(other));
+        }
+        Instruction::SineCosine { sine, cosine, of } => {
+            T::sines_cosines(simd, memory, &[[sine, cosine, of]]);
+        }
+        Instruction::Function { out, function, of } => at!(out) = at!(of).image(function),
     }
 }
