@@ -50,15 +50,10 @@ impl Compiler<'_> {
     pub(super) fn linear(&mut self, place: NodeId, factor: StaticId, sum: &mut LinearCombination) {
         if let Some(number) = self.static_of[place as usize] {
             let part = self.statics.times(number, factor);
-            sum.constant = Some(match sum.constant {
-                Some(constant) => self.statics.add(Static::Sum(constant, part)),
-                None => part,
-            });
-            return;
+            return self.add_constant(sum, part);
         }
         if let Some(slot) = self.slot_of[place as usize] {
-            self.add_term(sum, slot, factor);
-            return;
+            return self.add_term(sum, slot, factor);
         }
         match self.graph.nodes[place as usize] {
             Node::Sum(a, b) => {
@@ -95,7 +90,12 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn add_term(&mut self, sum: &mut LinearCombination, slot: Slot, factor: StaticId) {
+    fn add_constant(&mut self, sum: &mut LinearCombination, part: StaticId) {
+        let add = |constant| self.statics.add(Static::Sum(constant, part));
+        sum.constant = Some(sum.constant.map_or(part, add));
+    }
+
+    fn add_term(&mut self, sum: &mut LinearCombination, slot: Slot, factor: StaticId) {
         match sum.terms.iter().position(|(other, _)| *other == slot) {
             Some(at) => sum.terms[at].1 = self.statics.add(Static::Sum(sum.terms[at].1, factor)),
             None => sum.terms.push((slot, factor)),
@@ -109,12 +109,7 @@ impl Compiler<'_> {
         factor: StaticId,
         sum: &mut LinearCombination,
     ) {
-        let one = self.statics.add(Static::Constant(1.0));
-        let [a, b] = factors.map(|place| {
-            let mut of_place = LinearCombination::default();
-            self.linear(place, one, &mut of_place);
-            of_place
-        });
+        let [a, b] = factors.map(|place| self.linear_of(place));
         for (constant, other) in [(a.constant, &b), (b.constant, &a)] {
             let Some(constant) = constant else { continue };
             let part = self.statics.times(constant, factor);
@@ -126,10 +121,7 @@ impl Compiler<'_> {
         if let (Some(a), Some(b)) = (a.constant, b.constant) {
             let both = self.statics.times(a, b);
             let part = self.statics.times(both, factor);
-            sum.constant = Some(match sum.constant {
-                Some(constant) => self.statics.add(Static::Sum(constant, part)),
-                None => part,
-            });
+            self.add_constant(sum, part);
         }
         for &(left, number) in &a.terms {
             let part = self.statics.times(number, factor);
