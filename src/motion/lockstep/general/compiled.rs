@@ -5,9 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::compiler::compile;
 use super::operations::{Operations, Slot};
 use super::series::Programs;
-use crate::graph::{Cell, Instruction, Program};
+use crate::graph::{Cell, Instruction};
 use crate::model::{Graph, PerStructure, System};
-use crate::motion::lockstep::run::Runner;
 
 /// The largest number of systems without a structure whose equations are kept ready.
 const MOST_KNOWN: usize = 16;
@@ -23,7 +22,7 @@ pub(super) struct Compiled {
     pub(super) tolerated: Vec<Vec<Slot>>,
     /// The cells of parameters, and of what depends on parameters alone.
     pub(super) parameters: Vec<Cell>,
-    pub(super) programs: Programs<Runner>,
+    pub(super) programs: Programs,
 }
 
 /// Returns recorded equations, ready to run. Equal systems share them.
@@ -49,24 +48,10 @@ impl Compiled {
     fn new(graph: &Graph) -> Self {
         let (operations, programs) = cheapest(graph);
         let parameters = operations.inputs[1].iter().map(|(cell, _)| *cell);
-        let computed = programs.fixed.instructions.iter().flat_map(Instruction::writes);
-        let read = computed.filter(|cell| programs.fixed.kept[*cell as usize]);
-        let parameters: Vec<Cell> = parameters.chain(read).collect();
-        let screen = |(program, screen)| (Runner::new(program), screen);
-        let programs = Programs {
-            fixed: Runner::new(programs.fixed),
-            modes: Runner::new(programs.modes),
-            motion: Runner::new(programs.motion),
-            perturbed_motion: Runner::new(programs.perturbed_motion),
-            screen: screen(programs.screen),
-            exact_screen: programs.exact_screen.map(screen),
-            normals: Runner::new(programs.normals),
-            perturbation: Runner::new(programs.perturbation),
-            tail: Runner::new(programs.tail),
-            instant: Runner::new(programs.instant),
-            decision: Runner::new(programs.decision),
-            ahead: Runner::new(programs.ahead),
-        };
+        let fixed = &programs.fixed.program;
+        let computed = fixed.instructions.iter().flat_map(Instruction::writes);
+        let parameters = parameters.chain(computed.filter(|cell| fixed.kept[*cell as usize]));
+        let parameters: Vec<Cell> = parameters.collect();
         let velocities = graph.layout.velocities.iter();
         let velocities = velocities.map(|group| group.iter().map(|place| *place as Slot).collect());
         let forces = std::iter::once(operations.forces_over_time());
@@ -89,9 +74,7 @@ fn cheapest(graph: &Graph) -> (Operations, Programs) {
         (operations, programs)
     });
     let [expanded, plain] = forms;
-    let cost = |programs: &Programs| {
-        let parts = [&programs.motion, &programs.normals];
-        parts.map(Program::cost).iter().sum::<u32>()
-    };
+    let cost =
+        |programs: &Programs| programs.motion.program.cost() + programs.normals.program.cost();
     if cost(&expanded.1) <= cost(&plain.1) { expanded } else { plain }
 }

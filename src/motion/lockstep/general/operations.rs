@@ -172,11 +172,6 @@ impl Operations {
         forces.filter(|_| has_clock).collect()
     }
 
-    /// Returns the place of a static number.
-    pub(super) fn constant(&self, id: StaticId) -> Cell {
-        id
-    }
-
     /// Returns the place of a coefficient; those of one order stand side by side.
     pub(super) fn coefficient(&self, slot: Slot, k: usize) -> Cell {
         (self.statics.all.len() + k * self.slots + slot as usize) as Cell

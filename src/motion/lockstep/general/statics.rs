@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use crate::graph::{Builder, Instruction};
+use crate::graph::{Builder, Cell, Instruction};
 use crate::model::Function;
 
-/// The place of a static number.
-pub(super) type StaticId = u32;
+/// The place of a static number, which is its cell in programs.
+pub(super) type StaticId = Cell;
 
 /// A number that is constant in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,20 +106,17 @@ impl Statics {
         }
     }
 
-    /// Returns the places and numbers of the inputs.
-    pub(super) fn inputs(&self) -> impl Iterator<Item = (StaticId, u32)> {
-        (0..).zip(&self.all).filter_map(|(id, number)| match *number {
-            Static::Input(input) => Some((id, input)),
-            _ => None,
-        })
-    }
-
-    /// Returns the places and numbers of the components that only events change.
-    pub(super) fn discrete(&self) -> impl Iterator<Item = (StaticId, u32)> {
-        (0..).zip(&self.all).filter_map(|(id, number)| match *number {
-            Static::Discrete(component) => Some((id, component)),
-            _ => None,
-        })
+    /// Returns the places and numbers of the inputs, and those of the components that only events change.
+    pub(super) fn inputs_and_discrete(&self) -> [Vec<(StaticId, u32)>; 2] {
+        let mut found = [(); 2].map(|()| Vec::new());
+        for (id, number) in (0..).zip(&self.all) {
+            match *number {
+                Static::Input(input) => found[0].push((id, input)),
+                Static::Discrete(component) => found[1].push((id, component)),
+                _ => {}
+            }
+        }
+        found
     }
 
     /// Computes the static numbers that are neither inputs nor components.

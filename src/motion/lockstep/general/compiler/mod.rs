@@ -97,10 +97,11 @@ pub(super) fn compile(graph: &Graph, expands: bool) -> Operations {
         [speed, acceleration, normal, required]
     });
     let is_parameter = |input: &(StaticId, u32)| graph.parameters.contains(&input.1);
-    let (parameters, of_modes) = compiler.statics.inputs().partition(is_parameter);
+    let [inputs, discrete] = compiler.statics.inputs_and_discrete();
+    let (parameters, of_modes) = inputs.into_iter().partition(is_parameter);
     Operations {
         inputs: [of_modes, parameters],
-        discrete: compiler.statics.discrete().collect(),
+        discrete,
         kinematic: kinematic.collect(),
         rates,
         settling,

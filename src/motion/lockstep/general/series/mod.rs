@@ -5,52 +5,50 @@
 //! doi:10.1080/10586458.2005.10128904). Coefficients that are always zero take no part. In a sum, the coefficients that
 //! were computed last come last, to avoid waiting for them.
 //!
-//! Read first `expansion`, the coefficients that are known, then what adds to them: `convolution`, `rules` and `unknowns`.
-//! `screen` bounds the conditions, and `tail` adds the highest powers of a perturbation. This file makes the programs.
+//! Read first `expansion`, the coefficients that are known, then `rules`, which add to them. `screen` bounds the conditions, and `tail` adds the highest powers of a perturbation. This file makes the programs.
 
-mod convolution;
 mod expansion;
 mod rules;
 mod screen;
 mod tail;
-mod unknowns;
 
 use std::collections::HashMap;
 
 use super::operations::{Operations, Slot};
 use super::radius::radii;
-use crate::graph::{Builder, Cell, Program, tangent};
+use crate::graph::{Builder, Cell, tangent};
+use crate::motion::lockstep::run::Runner;
 use crate::motion::lockstep::{ORDER, TERMS};
 use expansion::{Expansion, LowerOrders};
 pub(super) use screen::{ConditionBound, Screen};
 
 /// The programs of a step; each runs after those before it, if at all.
-#[derive(Clone, Debug)]
-pub(super) struct Programs<P = Program> {
+#[derive(Debug)]
+pub(super) struct Programs {
     /// Computes what depends on parameters alone.
-    pub(super) fixed: P,
+    pub(super) fixed: Runner,
     /// Computes what depends on parameters and modes alone; it runs after `fixed`.
-    pub(super) modes: P,
+    pub(super) modes: Runner,
     /// Expands the motion from the state, and the friction forces; it runs after `modes`.
-    pub(super) motion: P,
+    pub(super) motion: Runner,
     /// Expands the motion and keeps what `perturbation` needs.
-    pub(super) perturbed_motion: P,
+    pub(super) perturbed_motion: Runner,
     /// Expands the normal forces; it runs after `motion`.
-    pub(super) normals: P,
+    pub(super) normals: Runner,
     /// Bounds the conditions; it runs after `motion`, or after `normals` if [`Screen::needs_normals`].
-    pub(super) screen: (P, Screen),
+    pub(super) screen: (Runner, Screen),
     /// Bounds the conditions with the series of the normal forces, if `screen` does not; it runs after `normals`.
-    pub(super) exact_screen: Option<(P, Screen)>,
+    pub(super) exact_screen: Option<(Runner, Screen)>,
     /// Expands a perturbation of the state; it runs after `perturbed_motion`.
-    pub(super) perturbation: P,
+    pub(super) perturbation: Runner,
     /// Adds the highest powers of the perturbation; it runs after `perturbation`.
-    pub(super) tail: P,
+    pub(super) tail: Runner,
     /// Computes what does not depend on the modes at one instant; it runs after `fixed`.
-    pub(super) instant: P,
+    pub(super) instant: Runner,
     /// Computes rates and forces at one instant; it runs after `instant`.
-    pub(super) decision: P,
+    pub(super) decision: Runner,
     /// Computes the rates of change of the forces; it runs after `decision`.
-    pub(super) ahead: P,
+    pub(super) ahead: Runner,
 }
 
 impl Operations {
@@ -103,8 +101,8 @@ impl Operations {
         let kept = in_motion.iter().chain(&normals).chain(&screened).chain(&exactly).copied();
         let all = builder.finish(kept.chain(forces(1)));
         let states: Vec<Cell> = components.clone().map(|slot| self.coefficient(slot, 0)).collect();
-        let of_modes = self.inputs[0].iter().chain(&self.discrete).map(|(id, _)| *id);
-        let of_modes: Vec<Cell> = of_modes.map(|id| self.constant(id)).collect();
+        let of_modes = self.inputs[0].iter().chain(&self.discrete);
+        let of_modes: Vec<Cell> = of_modes.map(|(cell, _)| *cell).collect();
         let conditions = self.length()..self.cells() as Cell;
         let varying = states.iter().chain(&of_modes).copied().chain(conditions.clone());
         let [mut fixed, varying] = all.split(varying);
@@ -113,6 +111,7 @@ impl Operations {
             None => expansion.parts([&in_motion, &[], &normals, &screened]),
             Some(_) => expansion.parts([&in_motion, &screened, &normals, &exactly]),
         };
+        let [by_bounds, by_series] = [by_bounds, by_series].map(Runner::new);
         let (screen, exact_screen) = match exact {
             None => ((by_series, screen), None),
             Some(exact) => ((by_bounds, screen), Some((by_series, exact))),
@@ -133,18 +132,18 @@ impl Operations {
         let [at_instant, ahead] = varying.parts([&at_instant, &forces(1)]);
         let [instant, decision] = at_instant.split(of_modes);
         Programs {
-            fixed,
-            modes,
-            motion,
-            perturbed_motion,
-            normals,
+            fixed: Runner::new(fixed),
+            modes: Runner::new(modes),
+            motion: Runner::new(motion),
+            perturbed_motion: Runner::new(perturbed_motion),
+            normals: Runner::new(normals),
             screen,
             exact_screen,
-            perturbation,
-            tail,
-            instant,
-            decision,
-            ahead,
+            perturbation: Runner::new(perturbation),
+            tail: Runner::new(tail),
+            instant: Runner::new(instant),
+            decision: Runner::new(decision),
+            ahead: Runner::new(ahead),
         }
     }
 }

@@ -1,13 +1,17 @@
 //! The rules of operations: the coefficient of order `k` of each result.
 
+use std::collections::HashMap;
+
 use super::expansion::{Convolution, ConvolutionTerms, Expansion, pairs};
-use crate::graph::{Cell, Instruction};
+use crate::graph::{Cell, Instruction, Product};
 use crate::model::Function;
-use crate::motion::lockstep::general::operations::{Operation, Slot, TurningAngle};
+use crate::motion::lockstep::TERMS;
+use crate::motion::lockstep::general::lu_factors::LuFactors;
+use crate::motion::lockstep::general::operations::{MatrixEntry, Operation, Slot, TurningAngle};
 
 impl Expansion<'_> {
     /// Returns the coefficient of order `k` times `k`, which is kept.
-    pub(super) fn rate(&mut self, place: usize, slot: Slot, k: usize) {
+    fn rate(&mut self, place: usize, slot: Slot, k: usize) {
         let factor = self.builder.number(k as f64);
         let rate = self.term(slot, k).map(|cell| self.builder.product(factor, cell));
         self.lower[place].rate.resize(k, None);
@@ -15,7 +19,7 @@ impl Expansion<'_> {
     }
 
     /// Returns `rate_j b_(k-j)` for `j` from 1 to `most`.
-    pub(super) fn integral(&self, place: usize, b: Slot, most: usize, k: usize) -> Vec<[Cell; 2]> {
+    fn integral(&self, place: usize, b: Slot, most: usize, k: usize) -> Vec<[Cell; 2]> {
         pairs(|j| self.lower[place].rate[j], |j| self.term(b, j), 1..=most, k)
     }
 
@@ -23,7 +27,7 @@ impl Expansion<'_> {
         let one = self.builder.number(1.0);
         match operation {
             Operation::Linear { out, constant, terms } => {
-                let start = constant.filter(|_| k == 0).map(|id| self.of.constant(id));
+                let start = constant.filter(|_| k == 0);
                 let products = self.linear(terms, k);
                 self.set(*out, k, start, &products);
             }
@@ -115,7 +119,7 @@ impl Expansion<'_> {
     }
 
     /// Computes the products of sine and cosine with the speed, and the next coefficients of sine and cosine.
-    pub(super) fn turn(&mut self, turning: &TurningAngle, k: usize) {
+    fn turn(&mut self, turning: &TurningAngle, k: usize) {
         let TurningAngle { angle, speed, switch, sine, cosine, sine_speed, cosine_speed } =
             *turning;
         if k == 0 {
@@ -131,7 +135,7 @@ impl Expansion<'_> {
             self.set(product, k, ahead, &now);
             let Some(product) = self.term(product, k) else { continue };
             let factors = match switch {
-                Some(switch) => [product, self.builder.product(self.of.constant(switch), part)],
+                Some(switch) => [product, self.builder.product(switch, part)],
                 None => [product, part],
             };
             let next = self.place(other, k + 1);
@@ -150,9 +154,101 @@ impl Expansion<'_> {
         self.term(slot, 0).unwrap_or_else(|| self.builder.number(0.0))
     }
 
-    pub(super) fn begin(&mut self, out: Slot, function: Function, of: Slot) {
+    fn begin(&mut self, out: Slot, function: Function, of: Slot) {
         let of = self.start(of);
         let out = self.place(out, 0);
         self.builder.add(Instruction::Function { out, function, of });
+    }
+
+    /// Returns an entry of a matrix at order zero.
+    fn entry(&mut self, place: usize, entry: &MatrixEntry) -> Option<Cell> {
+        let mut residual_factor = None;
+        let value = match entry {
+            MatrixEntry::Zero => None,
+            MatrixEntry::Constant(number) => Some(*number),
+            MatrixEntry::Series { factor, slot, .. } => {
+                self.term(*slot, 0).map(|cell| self.builder.product(*factor, cell))
+            }
+            MatrixEntry::Turned { turning, is_sine, factor, residual, .. } => {
+                let [sine, cosine] = [turning.sine, turning.cosine].map(|slot| self.start(slot));
+                let (function, other) = if *is_sine { (sine, cosine) } else { (cosine, sine) };
+                residual_factor = residual.map(|residual| {
+                    let of_other = self.builder.product(*factor, other);
+                    let zero = self.builder.number(0.0);
+                    let product = [[of_other, residual]];
+                    if *is_sine {
+                        self.builder.sum(None, &product)
+                    } else {
+                        self.builder.difference(Some(zero), &product)
+                    }
+                });
+                Some(self.builder.product(*factor, function))
+            }
+        };
+        self.lower[place].residuals.push(residual_factor);
+        value
+    }
+
+    /// Computes the coefficients of order `k` of the solution of a linear system, which is factored at order zero.
+    fn solve(&mut self, place: usize, operation: &Operation, k: usize) {
+        let Operation::Solve { matrix, products: in_rows, right, out, units, determined } =
+            operation
+        else {
+            return;
+        };
+        let size = right.len();
+        if k == 0 {
+            let entries: Vec<_> = matrix.iter().map(|entry| self.entry(place, entry)).collect();
+            self.lower[place].elimination =
+                Some(LuFactors::new(&mut self.builder, &entries, (units, *determined)));
+        }
+        // The sums without the coefficients of order `k` of the unknowns.
+        let mut known = HashMap::new();
+        for in_row in in_rows.iter().flatten() {
+            let factors = in_row.parts.clone();
+            let later = Convolution { factors, terms: ConvolutionTerms::Later, ahead: 0 };
+            known.insert(in_row.sum, self.convolution(later, k));
+        }
+        let order = self.builder.number((k + 1) as f64);
+        let mut values = Vec::with_capacity(size);
+        for (row, &right) in right.iter().enumerate() {
+            let mut products = Vec::new();
+            for in_row in &in_rows[row] {
+                products.extend(known[&in_row.sum].map(|sum| [in_row.factor, sum]));
+            }
+            let residuals = self.lower[place].residuals[row * size..][..size].to_vec();
+            for (entry, residual) in matrix[row * size..].iter().zip(residuals) {
+                let MatrixEntry::Turned { turning, is_sine, factor, square, .. } = entry else {
+                    continue;
+                };
+                if let Some(ahead) = self.ahead[&turning.sine][usize::from(!is_sine)] {
+                    let factor = self.builder.product(*factor, order);
+                    products.push([factor, ahead]);
+                }
+                products.extend(residual.zip(self.term(*square, k)).map(|(a, b)| [a, b]));
+            }
+            let start = self.term(right, k);
+            values.push(self.rest(start, &products));
+        }
+        let cells: Vec<Cell> = out.iter().map(|slot| self.of.coefficient(*slot, k)).collect();
+        let Some(elimination) = &self.lower[place].elimination else { return };
+        let not_zero = elimination.substitute(&mut self.builder, &values, &cells);
+        for (slot, not_zero) in out.iter().zip(not_zero) {
+            self.not_zero[*slot as usize * TERMS + k] = not_zero;
+            self.known[*slot as usize] = k + 1;
+        }
+        for in_row in in_rows.iter().flatten() {
+            let last = in_row.parts.iter().filter_map(|&(entry, solution, subtracts)| {
+                let factors = [self.term(entry, 0)?, self.term(solution, k)?];
+                Some(Product { factors, subtracts })
+            });
+            let last: Vec<Product> = last.collect();
+            let known = known[&in_row.sum];
+            self.known[in_row.sum as usize] = k + 1;
+            if known.is_some() || !last.is_empty() {
+                let out = self.place(in_row.sum, k);
+                self.builder.combine(out, known, last);
+            }
+        }
     }
 }

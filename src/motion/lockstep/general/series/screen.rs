@@ -54,7 +54,7 @@ struct BoundCells {
 
 /// What is known of a normal force.
 enum NormalBound {
-    /// A lower bound.
+    /// A lower bound, which is constant.
     AtLeast(Cell),
     Over(BoundCells),
 }
@@ -87,9 +87,8 @@ impl Expansion<'_> {
             of.contacts.iter().map(|slots| self.curve(slots[0], ORDER, &powers)).collect();
         let frictions: Vec<_> =
             of.contacts.iter().map(|slots| self.curve(slots[3], ORDER - 1, &powers)).collect();
-        let others: Vec<_> = of.guards.iter().chain(&of.gaps).copied().collect();
-        let others: Vec<_> =
-            others.into_iter().map(|slot| self.curve(slot, ORDER - 1, &powers)).collect();
+        let others = of.guards.iter().chain(&of.gaps);
+        let others: Vec<_> = others.map(|slot| self.curve(*slot, ORDER - 1, &powers)).collect();
         let mut screen = Screen { needs_normals: radii.is_none(), ..Screen::default() };
         let one = self.builder.number(1.0);
         for contact in 0..of.contacts.len() {
@@ -122,23 +121,18 @@ impl Expansion<'_> {
                     builder.combine(out, start, normal.into_iter().chain([friction]));
                     out
                 };
-                let ends = [0, 1];
-                let (values, changes) = match normal {
-                    NormalBound::AtLeast(least) => (
-                        ends.map(|end| part(Some(slack), Some(*least), friction.values[end])),
-                        ends.map(|end| part(None, None, friction.changes[end])),
-                    ),
-                    NormalBound::Over(curve) => (
-                        ends.map(|i| part(Some(slack), Some(curve.values[i]), friction.values[i])),
-                        ends.map(|i| part(None, Some(curve.changes[i]), friction.changes[i])),
-                    ),
-                };
-                let bound = match normal {
-                    NormalBound::AtLeast(_) => friction.bound,
-                    NormalBound::Over(curve) => {
-                        builder.sum(Some(friction.bound), &[[limit, curve.bound]])
+                let (of_values, of_changes, bound) = match normal {
+                    NormalBound::AtLeast(least) => ([Some(*least); 2], [None; 2], None),
+                    NormalBound::Over(BoundCells { values, changes, bound }) => {
+                        (values.map(Some), changes.map(Some), Some(*bound))
                     }
                 };
+                let ends = [0, 1];
+                let values = ends.map(|i| part(Some(slack), of_values[i], friction.values[i]));
+                let changes = ends.map(|i| part(None, of_changes[i], friction.changes[i]));
+                let bound = bound.map_or(friction.bound, |bound| {
+                    builder.sum(Some(friction.bound), &[[limit, bound]])
+                });
                 let held = BoundCells { values, changes, bound };
                 let held = self.least(&held);
                 let zero = self.builder.number(0.0);
@@ -268,7 +262,7 @@ impl Expansion<'_> {
                 }
                 Rule::Linear(terms) => {
                     let product = |(slot, factor): &(Slot, _)| {
-                        [self.builder.size(self.of.constant(*factor)), of[*slot as usize]]
+                        [self.builder.size(*factor), of[*slot as usize]]
                     };
                     let products: Vec<_> = terms.iter().map(product).collect();
                     self.builder.sum(Some(zero), &products)
