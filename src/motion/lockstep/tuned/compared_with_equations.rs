@@ -7,8 +7,7 @@ use fearless_simd::SimdBase;
 
 use super::equations::contact_along;
 use super::kernel::{BalancerWorkspace, TunedKernel};
-use super::step::within_tolerance;
-use super::tangent::propagate;
+use super::perturbation::propagate;
 use crate::model::{Balancer, Dual, FrictionLaw, Machine, Method, Number, State, System};
 use crate::motion::lockstep::SavedRun;
 use crate::motion::lockstep::kernel::Kernel;
@@ -148,7 +147,7 @@ fn over_longest_steps<const N: usize>(simd: impl Vector) {
     }
     let KernelLanes { kernel, workspace, state, perturbation, tolerance, next, .. } = &mut group;
     kernel.expand(workspace, state, false);
-    let lengths = within_tolerance(&workspace.series, *tolerance, *next).min(longest);
+    let lengths = kernel.within_tolerance(workspace, *tolerance, *next).min(longest);
     let BalancerWorkspace { series, perturbed, .. } = &mut **workspace;
     let moved = propagate(series, &kernel.equations, perturbation, lengths, perturbed);
     for (lane, balancer) in balancers.iter().enumerate() {

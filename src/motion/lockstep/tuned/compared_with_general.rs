@@ -146,7 +146,7 @@ fn agree<const N: usize>(simd: impl Vector, method: Method) -> (usize, usize) {
         };
         close(&tuned.ends[lane], &general.ends[lane], 1e-13);
         close(&tuned.sums[lane], &general.sums[lane], 1e-13);
-        // The reaction of the table on balls that touch is missing in the highest powers (`tail_terms`).
+        // The reaction of the table on balls that touch is missing in the highest powers (`perturbation`).
         close(&tuned.perturbations[lane], &general.perturbations[lane], 1e-9);
         match (&tuned.events[lane], &general.events[lane]) {
             (StepEnd::At(part, which), StepEnd::At(expected, same)) => {

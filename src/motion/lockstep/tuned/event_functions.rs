@@ -85,120 +85,118 @@ impl<S: Vector, const N: usize> LanesToExamine<S, N> {
 
     /// Returns the lanes in which any condition may fail.
     pub(super) fn any(&self) -> u64 {
-        self.of_balls
-            .iter()
-            .chain(&self.of_gaps)
-            .fold(self.loose, |any, lanes_to_examine| any | lanes_to_examine)
+        self.of_balls.iter().chain(&self.of_gaps).fold(self.loose, |any, lanes| any | lanes)
     }
-}
 
-/// Reports where a condition may fail in a step of this length.
-#[inline(always)]
-pub(super) fn screen_conditions<S: Vector, const N: usize>(
-    series: &BalancerSeries<S, N>,
-    equations: &Equations<S, N>,
-    (watched, gaps): (&[ConditionCoefficients<S>; N], &GapForceEquations<S, N>),
-    length: Lanes<S>,
-    lanes_to_examine: &mut LanesToExamine<S, N>,
-) {
-    let simd = length.simd;
-    let number = |value: f64| Lanes::splat(simd, value);
-    let zero = number(0.0);
-    let [first, second, ..] = &series.terms;
-    let square = length * length;
-    lanes_to_examine.loose = 0;
-    let mut sticks = zero.simd_gt(zero);
-    for watched in watched {
-        sticks |= watched.stuck.simd_gt(zero);
-    }
-    let pull = TableAcceleration::over(series, length, sticks.any_true());
-    // Bound of the table's pull on a ball.
-    let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
-    let of_table = [most(first.pull), most(pull.end)];
-    lanes_to_examine.of_gaps = [0; N];
-    if series.response.active {
-        screen_gaps(series, gaps, length, lanes_to_examine);
-    }
-    for i in 0..N {
-        let mut pulls = of_table;
+    /// Reports where a condition may fail in a step of this length.
+    #[inline(always)]
+    pub(super) fn screen_conditions(
+        &mut self,
+        series: &BalancerSeries<S, N>,
+        equations: &Equations<S, N>,
+        (watched, gaps): (&[ConditionCoefficients<S>; N], &GapForceEquations<S, N>),
+        length: Lanes<S>,
+    ) {
+        let simd = length.simd;
+        let number = |value: f64| Lanes::splat(simd, value);
+        let zero = number(0.0);
+        let [first, second, ..] = &series.terms;
+        let square = length * length;
+        self.loose = 0;
+        let mut sticks = zero.simd_gt(zero);
+        for watched in watched {
+            sticks |= watched.stuck.simd_gt(zero);
+        }
+        let pull = TableAcceleration::over(series, length, sticks.any_true());
+        // Bound of the table's pull on a ball.
+        let most = |[x, y]: [Lanes<S>; 2]| number(2.0) * (x.abs() + y.abs());
+        let of_table = [most(first.pull), most(pull.end)];
+        self.of_gaps = [0; N];
         if series.response.active {
-            pulls = [pulls[0] + lanes_to_examine.pushed[i], pulls[1] + lanes_to_examine.pushed[i]];
+            self.screen_gaps(series, gaps, length);
         }
-        let ConditionCoefficients { sign, offset, .. } = watched[i];
-        let (mut bound, mut speed, mut slope) = (zero, zero, zero);
-        for (k, term) in series.terms[..=ORDER].iter().enumerate().rev() {
-            let coefficient = term.balls[i].speed;
-            slope = slope.fused(length, speed);
-            speed = speed.fused(length, coefficient);
-            if k >= 4 {
-                let weight = number(FOURTH[k]);
-                bound = bound.fused(length, weight * coefficient.abs());
+        for i in 0..N {
+            let mut pulls = of_table;
+            if series.response.active {
+                pulls = [pulls[0] + self.pushed[i], pulls[1] + self.pushed[i]];
             }
-        }
-        let speeds = [first.balls[i].speed, speed];
-        let along = sign * length;
-        let curve = LaneBounds {
-            values: [sign.fused(speeds[0], offset), sign.fused(speeds[1], offset)],
-            changes: [along * second.balls[i].speed, along * slope],
-            bound: sign.abs() * bound * (square * square),
-        };
-        let mut holds = curve.holds();
-        lanes_to_examine.slips[i] = curve;
-        let ball = &equations.balls[i];
-        let mut pressed = ball.least_pressed.simd_gt(pulls[0].max(pulls[1]));
-        if !pressed.all_true() {
-            // The normal force is a parabola in the ball's speed. On one side of its minimum, and
-            // not so near that the ball may have passed it, the ends decide.
-            let mut plain = length.simd_eq(length);
-            let mut steepness = [zero; 2];
-            for at in 0..2 {
-                let half = ball.pressed[1] * speeds[at];
-                steepness[at] = half + half + ball.pressed[0];
-                let outward = (half + ball.pressed[0]).fused(speeds[at], equations.speed_squared);
-                plain &= outward.simd_gt(pulls[at]);
+            let ConditionCoefficients { sign, offset, .. } = watched[i];
+            let (mut bound, mut speed, mut slope) = (zero, zero, zero);
+            for (k, term) in series.terms[..=ORDER].iter().enumerate().rev() {
+                let coefficient = term.balls[i].speed;
+                slope = slope.fused(length, speed);
+                speed = speed.fused(length, coefficient);
+                if k >= 4 {
+                    let weight = number(FOURTH[k]);
+                    bound = bound.fused(length, weight * coefficient.abs());
+                }
             }
-            let reach = second.balls[i].speed.abs().max(slope.abs()) * length * ball.pressed[1];
-            plain &= (steepness[0] * steepness[1]).simd_gt(zero);
-            plain &= steepness[0].abs().min(steepness[1].abs()).simd_gt(reach);
-            pressed |= plain;
+            let speeds = [first.balls[i].speed, speed];
+            let along = sign * length;
+            let curve = LaneBounds {
+                values: [sign.fused(speeds[0], offset), sign.fused(speeds[1], offset)],
+                changes: [along * second.balls[i].speed, along * slope],
+                bound: sign.abs() * bound * (square * square),
+            };
+            let mut holds = curve.holds();
+            self.slips[i] = curve;
+            let ball = &equations.balls[i];
+            let mut pressed = ball.least_pressed.simd_gt(pulls[0].max(pulls[1]));
+            if !pressed.all_true() {
+                // The normal force is a parabola in the ball's speed. On one side of its minimum, and
+                // not so near that the ball may have passed it, the ends decide.
+                let mut plain = length.simd_eq(length);
+                let mut steepness = [zero; 2];
+                for at in 0..2 {
+                    let half = ball.pressed[1] * speeds[at];
+                    steepness[at] = half + half + ball.pressed[0];
+                    let outward =
+                        (half + ball.pressed[0]).fused(speeds[at], equations.speed_squared);
+                    plain &= outward.simd_gt(pulls[at]);
+                }
+                let reach = second.balls[i].speed.abs().max(slope.abs()) * length * ball.pressed[1];
+                plain &= (steepness[0] * steepness[1]).simd_gt(zero);
+                plain &= steepness[0].abs().min(steepness[1].abs()).simd_gt(reach);
+                pressed |= plain;
+            }
+            self.loose |= !pressed.to_bitmask();
+            let stuck = watched[i].stuck.simd_gt(zero);
+            if stuck.any_true() {
+                let held = held(series, equations, watched, (i, &pull), length);
+                holds &= held[0].holds() & held[1].holds() | !stuck;
+                self.held[i] = held;
+            }
+            self.of_balls[i] = !holds.to_bitmask();
         }
-        lanes_to_examine.loose |= !pressed.to_bitmask();
-        let stuck = watched[i].stuck.simd_gt(zero);
-        if stuck.any_true() {
-            let held = held(series, equations, watched, (i, &pull), length);
-            holds &= held[0].holds() & held[1].holds() | !stuck;
-            lanes_to_examine.held[i] = held;
-        }
-        lanes_to_examine.of_balls[i] = !holds.to_bitmask();
     }
-}
 
-/// Reports where a closed gap may open, and bounds the normal force on each ball by the forces in gaps. Not inlined, like
-/// everything that few steps need: it would take registers from the rest.
-#[inline(never)]
-fn screen_gaps<S: Vector, const N: usize>(
-    series: &BalancerSeries<S, N>,
-    gaps: &GapForceEquations<S, N>,
-    length: Lanes<S>,
-    lanes_to_examine: &mut LanesToExamine<S, N>,
-) {
-    vectorized!(length.simd, {
-        lanes_to_examine.pushed = [Lanes::splat(length.simd, 0.0); N];
-        for (g, gap) in gaps.gaps.iter().enumerate() {
-            let force = LaneBounds::of_series(
-                length,
-                ORDER - 1,
-                #[inline(always)]
-                |k| series.forces[k][g],
-            );
-            lanes_to_examine.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
-            let [start, end] = force.values;
-            let most = Lanes::splat(length.simd, 2.0) * start.abs().max(end.abs());
-            for (pushed, outward) in lanes_to_examine.pushed.iter_mut().zip(gap.outward) {
-                *pushed += outward.abs() * most;
+    /// Reports where a closed gap may open, and bounds the normal force on each ball by the forces in gaps. Not inlined, like
+    /// everything that few steps need: it would take registers from the rest.
+    #[inline(never)]
+    fn screen_gaps(
+        &mut self,
+        series: &BalancerSeries<S, N>,
+        gaps: &GapForceEquations<S, N>,
+        length: Lanes<S>,
+    ) {
+        vectorized!(length.simd, {
+            self.pushed = [Lanes::splat(length.simd, 0.0); N];
+            for (g, gap) in gaps.gaps.iter().enumerate() {
+                let force = LaneBounds::of_series(
+                    length,
+                    ORDER - 1,
+                    #[inline(always)]
+                    |k| series.forces[k][g],
+                );
+                self.of_gaps[g] = !gap.pressure.over(&force).holds().to_bitmask();
+                let [start, end] = force.values;
+                let most = Lanes::splat(length.simd, 2.0) * start.abs().max(end.abs());
+                for (pushed, outward) in self.pushed.iter_mut().zip(gap.outward) {
+                    *pushed += outward.abs() * most;
+                }
             }
-        }
-    });
+        });
+    }
 }
 
 /// The table's acceleration over a step.

@@ -26,101 +26,83 @@ pub(super) fn first_event<S: Vector, const N: usize>(
 ) -> StepEnd {
     let simd = series.terms[0].table[0].simd;
     // The fused multiply-add is an instruction in this closure.
-    vectorized!(
-        simd,
-        first_of_all(
-            simd,
-            series,
-            (run, balancer, gaps),
-            (lane, length),
-            lanes_to_examine,
-            ignored
-        )
-    )
-}
-
-#[inline(always)]
-fn first_of_all<S: Vector, const N: usize>(
-    simd: S,
-    series: &BalancerSeries<S, N>,
-    (run, balancer, gaps): (&Lane, &Balancer<N>, &GapForceEquations<S, N>),
-    (lane, length): (usize, f64),
-    lanes_to_examine: &LanesToExamine<S, N>,
-    ignored: &[Condition],
-) -> StepEnd {
-    let mut first = StepEnd::Nothing;
-    let band = run.margins.band;
-    let aim = 0.5 * run.width;
-    let slack = run.margins.slack + aim;
-    let bit = 1 << lane;
-    for (gap, of_all) in gaps.gaps.iter().enumerate() {
-        let failed = Condition::Pressed(gap);
-        if lanes_to_examine.of_gaps[gap] & bit != 0 && !ignored.contains(&failed) {
-            let (weight, offset) = (of_all.pressure.weight[lane], of_all.pressure.offset[lane]);
-            let pressed =
-                Polynomial::of(length, offset, ORDER - 1, |k| weight * series.forces[k][gap][lane]);
-            first.or(simd, &pressed, None, failed);
-        }
-    }
-    let clusters = &gaps.held[lane];
-    for cluster in clusters {
-        let failed = Condition::Held(cluster.contacts[0]);
-        let is_doubtful = |ball: &usize| lanes_to_examine.of_balls[*ball] & bit != 0;
-        if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
-            let forces = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
-            match held_until(simd, run, cluster, forces, (length, slack)) {
-                Some(0.0) => first = StepEnd::AtOnce(failed),
-                Some(part) => first.earlier(part, failed),
-                None => {}
+    vectorized!(simd, {
+        let mut first = StepEnd::Nothing;
+        let band = run.margins.band;
+        let aim = 0.5 * run.width;
+        let slack = run.margins.slack + aim;
+        let bit = 1 << lane;
+        for (gap, of_all) in gaps.gaps.iter().enumerate() {
+            let failed = Condition::Pressed(gap);
+            if lanes_to_examine.of_gaps[gap] & bit != 0 && !ignored.contains(&failed) {
+                let (weight, offset) = (of_all.pressure.weight[lane], of_all.pressure.offset[lane]);
+                let pressed = Polynomial::of(length, offset, ORDER - 1, |k| {
+                    weight * series.forces[k][gap][lane]
+                });
+                first.or(simd, &pressed, None, failed);
             }
         }
-    }
-    for (ball, phase) in run.phases[..N].iter().enumerate() {
-        let loose = lanes_to_examine.loose & 1 << lane != 0;
-        if !loose && lanes_to_examine.of_balls[ball] & 1 << lane == 0 {
-            continue;
+        let clusters = &gaps.held[lane];
+        for cluster in clusters {
+            let failed = Condition::Held(cluster.contacts[0]);
+            let is_doubtful = |ball: &usize| lanes_to_examine.of_balls[*ball] & bit != 0;
+            if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
+                let forces = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
+                match held_until(simd, run, cluster, forces, (length, slack)) {
+                    Some(0.0) => first = StepEnd::AtOnce(failed),
+                    Some(part) => first.earlier(part, failed),
+                    None => {}
+                }
+            }
         }
-        let speed = |k: usize| series.terms[k].balls[ball].speed[lane];
-        // One place examines all conditions, because the search is large.
-        for which in 0..3 {
-            let failed = Condition::Contact { contact: ball, which };
-            let (condition, bounds) = match (*phase, which) {
-                (_, 2) if loose => {
-                    let normal = normal_force(series, (balancer, gaps, *phase), lane, ball);
-                    (Polynomial::of(length, aim, ORDER, |k| normal[k]), None)
-                }
-                (Phase::Slip(direction), 0) => {
-                    let bounds = lanes_to_examine.slips[ball].outline(lane);
-                    (
-                        Polynomial::of(length, aim - band, ORDER, |k| direction * speed(k)),
-                        Some(bounds),
-                    )
-                }
-                (Phase::Transition(direction), 0) => {
-                    (Polynomial::of(length, aim + band, ORDER, |k| -(direction * speed(k))), None)
-                }
-                (Phase::Transition(direction), 1) => {
-                    let accelerating = |k| direction * ((k + 1) as f64 * speed(k + 1));
-                    (Polynomial::of(length, slack, ORDER - 1, accelerating), None)
-                }
-                (Phase::Stick, 0 | 1)
-                    if !clusters.iter().any(|cluster| cluster.contacts.contains(&ball)) =>
-                {
-                    let bounds = lanes_to_examine.held[ball][which].outline(lane);
-                    if bounds.holds() {
-                        continue;
+        for (ball, phase) in run.phases[..N].iter().enumerate() {
+            let loose = lanes_to_examine.loose & 1 << lane != 0;
+            if !loose && lanes_to_examine.of_balls[ball] & 1 << lane == 0 {
+                continue;
+            }
+            let speed = |k: usize| series.terms[k].balls[ball].speed[lane];
+            // One place examines all conditions, because the search is large.
+            for which in 0..3 {
+                let failed = Condition::Contact { contact: ball, which };
+                let (condition, bounds) = match (*phase, which) {
+                    (_, 2) if loose => {
+                        let normal = normal_force(series, (balancer, gaps, *phase), lane, ball);
+                        (Polynomial::of(length, aim, ORDER, |k| normal[k]), None)
                     }
-                    let left = held(series, balancer, lane, ball, [1.0, -1.0][which]);
-                    (Polynomial::of(length, slack, ORDER, left), Some(bounds))
+                    (Phase::Slip(direction), 0) => {
+                        let bounds = lanes_to_examine.slips[ball].outline(lane);
+                        (
+                            Polynomial::of(length, aim - band, ORDER, |k| direction * speed(k)),
+                            Some(bounds),
+                        )
+                    }
+                    (Phase::Transition(direction), 0) => (
+                        Polynomial::of(length, aim + band, ORDER, |k| -(direction * speed(k))),
+                        None,
+                    ),
+                    (Phase::Transition(direction), 1) => {
+                        let accelerating = |k| direction * ((k + 1) as f64 * speed(k + 1));
+                        (Polynomial::of(length, slack, ORDER - 1, accelerating), None)
+                    }
+                    (Phase::Stick, 0 | 1)
+                        if !clusters.iter().any(|cluster| cluster.contacts.contains(&ball)) =>
+                    {
+                        let bounds = lanes_to_examine.held[ball][which].outline(lane);
+                        if bounds.holds() {
+                            continue;
+                        }
+                        let left = held(series, balancer, lane, ball, [1.0, -1.0][which]);
+                        (Polynomial::of(length, slack, ORDER, left), Some(bounds))
+                    }
+                    _ => continue,
+                };
+                if !ignored.contains(&failed) {
+                    first.or_in_vectors(&condition, bounds.as_ref(), failed);
                 }
-                _ => continue,
-            };
-            if !ignored.contains(&failed) {
-                first.or_in_vectors(&condition, bounds.as_ref(), failed);
             }
         }
-    }
-    first
+        first
+    })
 }
 
 /// Returns the series of the remaining friction of a sticking ball against a force in this

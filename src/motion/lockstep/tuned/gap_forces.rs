@@ -154,66 +154,64 @@ impl<S: Vector, const N: usize> GapForceEffect<S, N> {
 
     #[inline(never)]
     fn set(&mut self, gaps: &GapForceEquations<S, N>, solver: &Solver<S, N>) {
-        vectorized!(solver.inverse[0].simd, self.set_vectors(gaps, solver));
-    }
-
-    #[inline(always)]
-    fn set_vectors(&mut self, gaps: &GapForceEquations<S, N>, solver: &Solver<S, N>) {
         let simd = solver.inverse[0].simd;
-        let [zero, one] = [0.0, 1.0].map(|value| Lanes::splat(simd, value));
-        let [a, b, c, d] = solver.inverse;
-        self.closed = 0;
-        for (g, gap) in gaps.gaps.iter().enumerate() {
-            self.closed |= u64::from(gap.closed != 0) << g;
-            let [mut force_x, mut force_y] = [zero; 2];
-            for ball in 0..N {
-                let [along, across] = solver.reaction[ball];
-                force_x += along * gap.push[ball];
-                force_y += across * gap.push[ball];
-            }
-            let pull = [a.fused(force_x, b * force_y), d.fused(force_y, c * force_x)];
-            self.table[g] = pull;
-            self.sides[g] = gap.side;
-            for ball in 0..N {
-                let [along, across] = solver.drawn[ball];
-                self.balls[g][ball] = along.fused(pull[0], across * pull[1]) + gap.push[ball];
-            }
-        }
-        // The relative accelerations by the forces, inverted by elimination: the matrix is nearly symmetric and definite.
-        let mut matrix = [[zero; N]; N];
-        for (row, (values, gap)) in matrix.iter_mut().zip(&gaps.gaps).enumerate() {
-            for (column, value) in values.iter_mut().enumerate() {
+        vectorized!(simd, {
+            let [zero, one] = [0.0, 1.0].map(|value| Lanes::splat(simd, value));
+            let [a, b, c, d] = solver.inverse;
+            self.closed = 0;
+            for (g, gap) in gaps.gaps.iter().enumerate() {
+                self.closed |= u64::from(gap.closed != 0) << g;
+                let [mut force_x, mut force_y] = [zero; 2];
                 for ball in 0..N {
-                    *value += gap.side[ball] * self.balls[column][ball];
+                    let [along, across] = solver.reaction[ball];
+                    force_x += along * gap.push[ball];
+                    force_y += across * gap.push[ball];
+                }
+                let pull = [a.fused(force_x, b * force_y), d.fused(force_y, c * force_x)];
+                self.table[g] = pull;
+                self.sides[g] = gap.side;
+                for ball in 0..N {
+                    let [along, across] = solver.drawn[ball];
+                    self.balls[g][ball] = along.fused(pull[0], across * pull[1]) + gap.push[ball];
                 }
             }
-            values[row] += gap.open;
-            self.inverse[row] = [zero; N];
-            self.inverse[row][row] = one;
-        }
-        for pivot in 0..N {
-            if !self.has(pivot) {
-                continue;
+            // The relative accelerations by the forces, inverted by elimination: the matrix is nearly symmetric and definite.
+            let mut matrix = [[zero; N]; N];
+            for (row, (values, gap)) in matrix.iter_mut().zip(&gaps.gaps).enumerate() {
+                for (column, value) in values.iter_mut().enumerate() {
+                    for ball in 0..N {
+                        *value += gap.side[ball] * self.balls[column][ball];
+                    }
+                }
+                values[row] += gap.open;
+                self.inverse[row] = [zero; N];
+                self.inverse[row][row] = one;
             }
-            let scale = one / matrix[pivot][pivot];
-            for value in matrix[pivot].iter_mut().chain(&mut self.inverse[pivot]) {
-                *value *= scale;
-            }
-            let (of_pivot, of_inverse) = (matrix[pivot], self.inverse[pivot]);
-            let closed = self.closed;
-            for (row, (values, inverse)) in matrix.iter_mut().zip(&mut self.inverse).enumerate() {
-                if row == pivot || closed & 1 << row == 0 {
+            for pivot in 0..N {
+                if !self.has(pivot) {
                     continue;
                 }
-                let factor = zero - values[pivot];
-                for (value, above) in values.iter_mut().zip(of_pivot) {
-                    *value = factor.fused(above, *value);
+                let scale = one / matrix[pivot][pivot];
+                for value in matrix[pivot].iter_mut().chain(&mut self.inverse[pivot]) {
+                    *value *= scale;
                 }
-                for (value, above) in inverse.iter_mut().zip(of_inverse) {
-                    *value = factor.fused(above, *value);
+                let (of_pivot, of_inverse) = (matrix[pivot], self.inverse[pivot]);
+                let closed = self.closed;
+                for (row, (values, inverse)) in matrix.iter_mut().zip(&mut self.inverse).enumerate()
+                {
+                    if row == pivot || closed & 1 << row == 0 {
+                        continue;
+                    }
+                    let factor = zero - values[pivot];
+                    for (value, above) in values.iter_mut().zip(of_pivot) {
+                        *value = factor.fused(above, *value);
+                    }
+                    for (value, above) in inverse.iter_mut().zip(of_inverse) {
+                        *value = factor.fused(above, *value);
+                    }
                 }
             }
-        }
+        })
     }
 
     #[inline(always)]

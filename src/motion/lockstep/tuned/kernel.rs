@@ -8,16 +8,17 @@ use super::balancer_forces::{BalancerForces, called, turned};
 use super::equations::{Equations, while_apart};
 use super::event_functions::{ConditionCoefficients, LanesToExamine};
 use super::gap_forces::GapForceEquations;
-use super::lane_states::BalancerLaneStates;
 use super::recurrence::RECIPROCALS;
 use super::rest_ahead::RestAhead;
 use super::series::BalancerSeries;
-use super::{event_functions, event_location, step, tangent};
+use super::terms::BalancerLaneStates;
+use super::{event_location, perturbation};
 use crate::model::{Balancer, Components, State, System};
 use crate::motion::condition::Condition;
 use crate::motion::force_model::{ForceModel, RecordedForces};
 use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
 use crate::motion::lockstep::lane::Lane;
+use crate::motion::lockstep::step_length::{longest_step, reciprocal};
 use crate::motion::lockstep::vector::{Fused, Powers, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER};
 use crate::motion::{Evaluator, Phase, any_closed};
@@ -173,22 +174,42 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     fn set_lane(&self, states: &mut Self::LaneStates, lane: usize, components: &[f64]) {
-        states.set_lane(lane, components);
+        let all = states.table.iter_mut().chain(&mut states.angle).chain(&mut states.speed);
+        all.zip(components).for_each(|(of_all, value)| of_all[lane] = *value);
     }
 
     #[inline(always)]
     fn select(&self, into: &mut Self::LaneStates, from: &Self::LaneStates, mask: mask64x8<S>) {
-        into.select(from, mask);
+        for i in 0..4 {
+            into.table[i] = mask.select(from.table[i], into.table[i]);
+        }
+        for i in 0..N {
+            into.angle[i] = mask.select(from.angle[i], into.angle[i]);
+            into.speed[i] = mask.select(from.speed[i], into.speed[i]);
+        }
     }
 
     #[inline(always)]
     fn finite(&self, states: &Self::LaneStates, start: Lanes<S>) -> Lanes<S> {
-        states.finite(start)
+        let zero = Lanes::splat(start.simd, 0.0);
+        let mut nought = start;
+        for value in states.table.iter().chain(&states.angle).chain(&states.speed) {
+            nought = value.fused(zero, nought);
+        }
+        nought
     }
 
     #[inline(always)]
     fn square(&self, states: &Self::LaneStates) -> Lanes<S> {
-        states.square()
+        let mut size = Lanes::splat(states.table[0].simd, 0.0);
+        for value in states.table {
+            size = value.fused(value, size);
+        }
+        for i in 0..N {
+            size = states.angle[i].fused(states.angle[i], size);
+            size = states.speed[i].fused(states.speed[i], size);
+        }
+        size
     }
 
     #[inline(always)]
@@ -215,23 +236,36 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     fn within_tolerance(
         &self,
         workspace: &Self::Workspace,
-        tolerance: [Lanes<S>; 2],
+        [relative, absolute]: [Lanes<S>; 2],
         before: Lanes<S>,
     ) -> Lanes<S> {
-        step::within_tolerance(&workspace.series, tolerance, before)
+        let simd = before.simd;
+        let terms = &workspace.series.terms;
+        let highest = Lanes::splat(simd, (ORDER + 1) as f64);
+        let second = Lanes::splat(simd, ORDER as f64);
+        let mut last = Lanes::splat(simd, 0.0);
+        let mut last_but_one = last;
+        // The larger of the table's two velocities counts.
+        let table = |k: usize| terms[k].table[0].abs().max(terms[k].table[1].abs());
+        for i in 0..=N {
+            let (size, ultimate, penultimate) = if i == N {
+                (table(1), highest * table(ORDER + 1), second * table(ORDER))
+            } else {
+                let speed = |k: usize| terms[k].balls[i].speed.abs();
+                (speed(0), speed(ORDER), speed(ORDER - 1))
+            };
+            let scale = reciprocal(relative.fused(size, absolute));
+            last = last.max(ultimate * scale);
+            last_but_one = last_but_one.max(penultimate * scale);
+        }
+        longest_step([last, last_but_one], before)
     }
 
     #[inline(always)]
     fn screen_conditions(&self, workspace: &mut Self::Workspace, length: Lanes<S>) -> u64 {
         let BalancerWorkspace { series, lanes_to_examine, .. } = workspace;
         let watched = (&self.watched, &self.gaps);
-        event_functions::screen_conditions(
-            series,
-            &self.equations,
-            watched,
-            length,
-            lanes_to_examine,
-        );
+        lanes_to_examine.screen_conditions(series, &self.equations, watched, length);
         lanes_to_examine.any()
     }
 
@@ -244,15 +278,9 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         ignored: &[Condition],
     ) -> StepEnd {
         let Some(balancer) = &self.balancers[lane] else { return StepEnd::Nothing };
-        let at = (lane, length);
+        let BalancerWorkspace { series, lanes_to_examine, .. } = workspace;
         let of_run = (run, balancer, &self.gaps);
-        event_location::first_event(
-            &workspace.series,
-            of_run,
-            at,
-            &workspace.lanes_to_examine,
-            ignored,
-        )
+        event_location::first_event(series, of_run, (lane, length), lanes_to_examine, ignored)
     }
 
     #[inline(always)]
@@ -274,7 +302,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         length: Lanes<S>,
     ) -> Self::LaneStates {
         let BalancerWorkspace { series, perturbed, .. } = workspace;
-        tangent::propagate(series, &self.equations, perturbation, length, perturbed)
+        perturbation::propagate(series, &self.equations, perturbation, length, perturbed)
     }
 
     #[inline(always)]

@@ -26,9 +26,8 @@ use fearless_simd::prelude::*;
 
 use super::equations::Equations;
 use super::gap_forces::{GapForceEffect, GapForceEquations, OfEach};
-use super::lane_states::BalancerLaneStates;
 use super::recurrence::{Constants, ProductSums, RECIPROCALS, Solving, products, solve};
-use super::terms::{PowerCoefficients, ResidualForce, Solver};
+use super::terms::{BalancerLaneStates, PowerCoefficients, ResidualForce, Solver};
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Powers, Vector, vectorized};
 use crate::motion::lockstep::{Lanes, ORDER, TERMS};

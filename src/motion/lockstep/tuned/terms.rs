@@ -1,7 +1,9 @@
-//! What a power series of the motion consists of: its terms, and what all of its terms are solved with.
+//! The states of a balancer in all lanes, and what a power series of the motion consists of: its terms, and what all of its terms
+//! are solved with.
 
 use fearless_simd::prelude::*;
 
+use crate::model::State;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::lockstep::{Lanes, TERMS};
 
@@ -15,6 +17,42 @@ pub(super) const DYING: [[f64; 2]; TERMS] = {
     }
     all
 };
+
+/// The components of a state, or of its rate of change, of each run.
+#[derive(Clone, Copy)]
+pub(in crate::motion::lockstep) struct BalancerLaneStates<S: Vector, const N: usize> {
+    /// x, y, ẋ, ẏ.
+    pub(super) table: [Lanes<S>; 4],
+    /// Angles of the balls.
+    pub(super) angle: [Lanes<S>; N],
+    /// Their speeds.
+    pub(super) speed: [Lanes<S>; N],
+}
+
+impl<S: Vector, const N: usize> BalancerLaneStates<S, N> {
+    /// Zero in all lanes.
+    #[inline(always)]
+    pub(super) fn zero(simd: S) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        BalancerLaneStates { table: [zero; 4], angle: [zero; N], speed: [zero; N] }
+    }
+
+    /// Returns one run's components.
+    pub(super) fn lane(&self, lane: usize) -> State<N> {
+        let [x, y, x_dot, y_dot] = self.table.each_ref().map(|of_all| of_all[lane]);
+        State {
+            position: [x, y],
+            velocity: [x_dot, y_dot],
+            beta: self.angle.each_ref().map(|of_all| of_all[lane]),
+            beta_dot: self.speed.each_ref().map(|of_all| of_all[lane]),
+        }
+    }
+}
+
+/// Returns the components of a balancer that are angles.
+pub(in crate::motion::lockstep) fn angles(balls: usize) -> std::ops::Range<usize> {
+    4..4 + balls
+}
 
 /// The coefficients of one power of time for one ball.
 #[derive(Clone, Copy)]
