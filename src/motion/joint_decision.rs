@@ -49,13 +49,10 @@ pub(super) fn resolve_modes<R>(
         }
         *phases = exchanged;
     }
-    for mut combination in 0..combinations(contacts().count())? {
-        for contact in contacts() {
-            phases[contact] = choices[combination % 3];
-            combination /= 3;
-        }
-        let forces = system.forces(phases);
-        if contacts().all(|contact| better(&forces, phases, contact).is_none()) {
+    for candidate in combinations(&phases.clone(), open, choices)? {
+        let forces = system.forces(&candidate);
+        if contacts().all(|contact| better(&forces, &candidate, contact).is_none()) {
+            *phases = candidate;
             return then(&forces);
         }
     }
@@ -65,10 +62,28 @@ pub(super) fn resolve_modes<R>(
 /// The largest number of open contacts for which all combinations are tried.
 const MOST_OPEN: usize = 12;
 
-/// Returns the number of combinations of three phases.
-fn combinations(contacts: usize) -> Result<usize, Failure> {
-    let tried = contacts <= MOST_OPEN;
-    tried.then(|| 3_usize.pow(contacts as u32)).ok_or(Failure::TooManyCombinations)
+/// Returns all combinations of choices for the open contacts, with the given phases of the others.
+fn combinations(
+    given: &Phases,
+    open: &Open,
+    choices: [Phase; 3],
+) -> Result<impl Iterator<Item = Phases>, Failure> {
+    let contacts = open.iter().filter(|open| **open).count();
+    if contacts > MOST_OPEN {
+        return Err(Failure::TooManyCombinations);
+    }
+    let combination = move |mut combination: usize| {
+        let phase = |(open, given): (&bool, &Phase)| {
+            if !open {
+                return *given;
+            }
+            let choice = choices[combination % 3];
+            combination /= 3;
+            choice
+        };
+        open.iter().zip(given).map(phase).collect()
+    };
+    Ok((0..3_usize.pow(contacts as u32)).map(combination))
 }
 
 /// Accelerations that differ by no more than this, over 1 and the largest of them, are the same
@@ -85,19 +100,7 @@ fn unique_or_refused(
     better: impl Fn(&Forces, &[Phase], usize) -> Option<Phase>,
 ) -> Result<Forces, Failure> {
     let given = phases.clone();
-    let number = open.iter().filter(|open| **open).count();
-    let combination = |mut combination: usize| -> Phases {
-        let phase = |(open, given): (&bool, &Phase)| {
-            if !open {
-                return *given;
-            }
-            let choice = choices[combination % 3];
-            combination /= 3;
-            choice
-        };
-        open.iter().zip(&given).map(phase).collect()
-    };
-    let all = (0..combinations(number)?).map(combination);
+    let all = combinations(&given, open, choices)?;
     let (decided, forces) = only_motion(&given, all, |candidate| {
         let forces = system.forces(candidate);
         let fits = |contact: usize| !open[contact] || better(&forces, candidate, contact).is_none();
