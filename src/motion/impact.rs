@@ -93,26 +93,29 @@ pub(super) fn impact<T: Solved>(
             })
         })
         .collect();
+    // The law of impact, the friction coefficient, the mass that the opening acceleration meets, the masses of the bodies, and the
+    // arm of their friction.
     let law = |(row, place): (usize, &ImpactPlace)| {
         let answer = answers[2 * row * (before.len() + 1)].value();
-        let (law, friction_coefficient, mass) = match (*place, between) {
+        match (*place, between) {
             (ImpactPlace::Gap(gap), Some(between)) => {
                 let gap = &between.gaps()[gap];
                 let restitution = between.restitution();
                 let lasting_approach = between.lasting_approach();
                 let law = ImpactLaw { restitution, tangential_restitution: 0.0, lasting_approach };
-                (law, gap.friction_coefficient, gap.reduced_mass())
+                (law, gap.friction_coefficient, gap.reduced_mass(), (gap.masses, gap.lever))
             }
             (ImpactPlace::Gap(index) | ImpactPlace::Opening(index), _) => {
                 let contact = graph.openings[index].contact;
-                (system.impact_law(contact), system.friction(contact).coefficient, 1.0 / answer)
+                let friction_coefficient = system.friction(contact).coefficient;
+                let mass = 1.0 / answer;
+                (system.impact_law(contact), friction_coefficient, mass, ([mass; 2], 1.0))
             }
-        };
-        (law, friction_coefficient, mass)
+        }
     };
     let laws: SmallVec<[_; 8]> = touching.iter().enumerate().map(law).collect();
     let with_opening = laws.iter().zip(before.iter().step_by(2));
-    let gap_laws = with_opening.map(|((law, friction_coefficient, mass), opening)| {
+    let gap_laws = with_opening.map(|((law, friction_coefficient, mass, _), opening)| {
         let lasts = -opening.value() < law.lasting_approach && law.restitution < 1.0;
         let is_slow = lasts || opening.value() >= 0.0;
         GapLaw {
@@ -122,10 +125,7 @@ pub(super) fn impact<T: Solved>(
             mass: *mass,
         }
     });
-    let masses = touching.iter().zip(&laws).flat_map(|(place, (_, _, mass))| match *place {
-        ImpactPlace::Gap(gap) => all_gaps[gap].masses,
-        ImpactPlace::Opening(_) => [*mass; 2],
-    });
+    let masses = laws.iter().flat_map(|(.., (masses, _))| *masses);
     let meeting = ImpactEquations {
         laws: gap_laws.collect(),
         fastest: before.iter().map(|speed| speed.value().abs()).fold(0.0, f64::max),
@@ -134,13 +134,7 @@ pub(super) fn impact<T: Solved>(
         before,
         answers,
     };
-    let arms: SmallVec<[f64; 8]> = touching
-        .iter()
-        .map(|place| match *place {
-            ImpactPlace::Gap(gap) => all_gaps[gap].lever,
-            ImpactPlace::Opening(_) => 1.0,
-        })
-        .collect();
+    let arms: SmallVec<[f64; 8]> = laws.iter().map(|(.., (_, arm))| *arm).collect();
     let Impulses { impulses, after } = passive(&meeting, &arms)?;
 
     let mut pressed: Components = smallvec![0.0; contacts];
