@@ -232,35 +232,33 @@ impl Motion {
     /// Returns time and state at which a function of the state fell from above zero to zero or
     /// below in the latest step; `None` if its signs at the two ends show no fall.
     pub fn falls_through_zero(&self, value: impl Fn(&[f64]) -> f64) -> Option<(f64, Components)> {
-        let (began, length) = (self.last_step_began(), self.time() - self.last_step_began());
+        let at = |after: f64| self.lane().state_within(0, after);
+        let after = self.fall(|after| value(&at(after)), |_| 1.0)?;
+        Some((self.last_step_began() + after, at(after)))
+    }
+
+    /// Returns how long after the start of the latest step a function of this time falls from above zero to zero or below;
+    /// `None` if its signs at the two ends show no fall. The function is multiplied by a sign that depends on its first value.
+    fn fall(&self, value: impl Fn(f64) -> f64, sign_of_start: impl Fn(f64) -> f64) -> Option<f64> {
+        let length = self.time() - self.last_step_began();
         if !self.stepped || length <= 0.0 {
             return None;
         }
-        let at = |part: f64| self.lane().state_within(0, part * length);
-        let [start, end] = [value(&at(0.0)), value(&at(1.0))];
+        let ends = [0.0, length].map(&value);
+        let sign = sign_of_start(ends[0]);
+        let [start, end] = ends.map(|value| sign * value);
         if start <= 0.0 || end > 0.0 {
             return None;
         }
-        let part = fall_through_zero(|part| value(&at(part)), (0.0, start), (1.0, end), 1e-12);
-        Some((began + part * length, at(part)))
+        let value = |part: f64| sign * value(part * length);
+        Some(fall_through_zero(value, (0.0, start), (1.0, end), 1e-12) * length)
     }
 
     /// Returns the state at which the rate of change of a component passed through zero in the latest step, in either
     /// direction; `None` if its signs at the two ends show no passage.
     pub fn turns_back(&self, component: usize) -> Option<Components> {
-        let length = self.time() - self.last_step_began();
-        if !self.stepped || length <= 0.0 {
-            return None;
-        }
-        let rate = |part: f64| self.lane().rate_within(0, component, part * length);
-        let [start, end] = [rate(0.0), rate(1.0)];
-        let falls = |value: f64| if start > 0.0 { value } else { -value };
-        if start == 0.0 || falls(end) > 0.0 {
-            return None;
-        }
-        let ends = [(0.0, falls(start)), (1.0, falls(end))];
-        let part = fall_through_zero(|part| falls(rate(part)), ends[0], ends[1], 1e-12);
-        Some(self.lane().state_within(0, part * length))
+        let rate = |after: f64| self.lane().rate_within(0, component, after);
+        self.fall(rate, f64::signum).map(|after| self.lane().state_within(0, after))
     }
 
     /// Returns the perturbations, in the order of their directions.
