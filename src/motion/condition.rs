@@ -28,6 +28,13 @@ pub(super) enum Condition {
     Held(usize),
 }
 
+impl Condition {
+    /// Returns whether its failure resets the state.
+    pub(super) fn resets(self) -> bool {
+        matches!(self, Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_))
+    }
+}
+
 /// Tolerances of the conditions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Margins {

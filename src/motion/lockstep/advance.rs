@@ -124,7 +124,7 @@ fn step<S: Vector, K: Kernel<S>>(g: &mut KernelLanes<S, K>, perturbed: bool) -> 
     let commits = mask64x8::from_bitmask(simd, commit);
     report.taken = commit;
     g.taken += c!(1.0);
-    report.still = g.kernel.still(&g.workspace) & commit;
+    report.still = g.kernel.still(&g.workspace, g.sliding) & commit;
 
     g.next = commits.select(within, g.next);
     g.before.clone_from(&g.state);

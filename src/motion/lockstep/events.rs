@@ -50,7 +50,7 @@ pub(super) fn first_event<S: Vector, K: Kernel<S>>(
             }
             StepEnd::AtOnce(failed) => {
                 let event = StepEvent { failed, at_once: true };
-                if let Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_) = failed {
+                if failed.resets() {
                     return Ok(Some((0.0, event)));
                 }
                 let mut state = g.kernel.lane(&g.state, lane);
@@ -202,22 +202,18 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
     let mut state = g.kernel.lane(&g.state, lane);
     let kernel = &g.kernel;
     let Some(run) = &mut g.lanes[lane] else { return Ok(()) };
-    run.hits.clear();
-    run.landed.clear();
+    run.impact = None;
     run.count_event(time)?;
     run.during.copy_from_slice(&run.phases);
-    let resets =
-        matches!(event.failed, Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_));
     let mut phases = Phases::from_slice(&run.phases);
     let impact = decide((kernel, &g.state, time), (lane, run), (&mut state, &mut phases), event)?;
-    run.take_in(impact.as_deref(), time);
+    run.take_in(impact, time);
     if perturbed {
         let mut direction = kernel.lane(&g.perturbation, lane);
         run.grazed |= match (event.failed, kernel.evaluator(lane)) {
             (Condition::Contact { contact, which }, _) => {
                 kernel.with_force_model(lane, run, &state, |at| {
-                    let sides: [&[Phase]; 2] = [&run.phases, &phases];
-                    saltation(at, sides, (contact, which), &mut direction)
+                    saltation(at, [&run.phases, &phases], (contact, which), &mut direction)
                 })
             }
             (Condition::Event(event), Some(evaluator)) => {
@@ -226,8 +222,8 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
                 let along = |direction: &[f64]| {
                     evaluator.event_along(event, &run.phases, &before, direction)
                 };
-                let (guard, reset) =
-                    (|along_: &[f64]| along(along_).0, |along_: &[f64]| along(along_).1);
+                let guard = |direction: &[f64]| along(direction).0;
+                let reset = |direction: &[f64]| along(direction).1;
                 saltation_at_reset(evaluator, sides, guard, reset, &mut direction)
             }
             (failed @ (Condition::Gap(_) | Condition::Landing(_)), _) => {
@@ -243,7 +239,7 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
         };
         kernel.set_lane(&mut g.perturbation, lane, &direction);
     }
-    g.reset |= u64::from(resets) << lane;
+    g.reset |= u64::from(event.failed.resets()) << lane;
     for (contact, phase) in phases.iter().enumerate() {
         if *phase != run.phases[contact] {
             run.switches += u64::from(!phase.is_gap());
@@ -251,7 +247,7 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
         }
     }
     if phases[kernel.contacts()..] != run.phases[kernel.contacts()..] {
-        run.touching_time += if any_closed(&run.phases) { time - run.last_touch } else { 0.0 };
+        run.touches.time += if any_closed(&run.phases) { time - run.last_touch } else { 0.0 };
         run.last_touch = time;
     }
     run.phases = phases;

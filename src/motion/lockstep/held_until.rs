@@ -4,9 +4,11 @@
 //! in between, forces that are linear in time prove that the contacts are held, as long as the conditions with these forces,
 //! polynomials in time, are met. Where one is not, the next forces are computed.
 
-use crate::model::{GapColumn, HeldContact, Holding, gap_columns};
+use crate::model::{GapColumn, Holding, gap_columns};
 use crate::motion::cluster::HeldCluster;
+use crate::motion::condition::Condition;
 use crate::motion::lockstep::ORDER;
+use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
 use crate::motion::lockstep::vector::{Vector, vectorized};
@@ -20,9 +22,34 @@ const WIDTH: f64 = 1e-13;
 /// The most forces that are computed in a step.
 const MOST: usize = 200;
 
+impl StepEnd {
+    /// Replaces this end by the part of the step from which on friction does not hold contacts that stick and touch, if that is
+    /// earlier. Of contacts that are not doubtful, friction holds each alone. `series` are those of [`held_until`].
+    pub(super) fn or_released<S: Vector>(
+        &mut self,
+        simd: S,
+        run: &Lane,
+        (is_doubtful, series): (impl Fn(&usize) -> bool, impl Fn(usize) -> [Powers; 2]),
+        (length, slack): (f64, f64),
+        ignored: &[Condition],
+    ) {
+        for cluster in &run.held {
+            let failed = Condition::Held(cluster.contacts[0]);
+            if !cluster.contacts.iter().any(&is_doubtful) || ignored.contains(&failed) {
+                continue;
+            }
+            match held_until(simd, run, cluster, &series, (length, slack)) {
+                Some(0.0) => *self = StepEnd::AtOnce(failed),
+                Some(part) => self.earlier(part, failed),
+                None => {}
+            }
+        }
+    }
+}
+
 /// Returns the part of a step from which on friction does not hold a set of contacts; `None` if it holds them throughout.
 /// `series` returns the power series of normal and friction force of a contact, without forces in gaps.
-pub(super) fn held_until<S: Vector>(
+fn held_until<S: Vector>(
     simd: S,
     run: &Lane,
     cluster: &HeldCluster,
@@ -40,6 +67,15 @@ pub(super) fn held_until<S: Vector>(
         cluster.holding(limit, values)
     };
     let contacts = cluster.held_contacts(limit, |_| [0.0; 2]);
+    let columns: Vec<[GapColumn; 2]> =
+        cluster.gaps.iter().map(|gap| gap_columns(gap, &contacts)).collect();
+    // What forces in gaps take up of the reserve of a contact in one direction.
+    let taken = |row: usize, forces: &[[f64; 2]]| -> f64 {
+        let of_gap = |(columns, forces): (&[GapColumn; 2], &[f64; 2])| {
+            columns[0][row] * forces[0] + columns[1][row] * forces[1]
+        };
+        columns.iter().zip(forces).map(of_gap).sum()
+    };
     let reserve = |part: f64| at(part).reserve + slack;
 
     let mut from = 0.0;
@@ -60,12 +96,18 @@ pub(super) fn held_until<S: Vector>(
         if span <= WIDTH {
             return fails.then_some(to);
         }
-        let course = LinearGapForces { from: &now.forces, to: &later.forces, part: span };
-        let fall = conditions(cluster, &contacts, &course)
-            .filter_map(|condition| {
+        let fall = (0..2 * contacts.len())
+            .filter_map(|row| {
+                // Forces in gaps that are linear in time.
+                let [first, last] = [&now, &later].map(|held| taken(row, &held.forces));
+                let rate = (last - first) / span / length;
+                let sign = if row % 2 == 0 { 1.0 } else { -1.0 };
+                let limit = contacts[row / 2].limit;
                 let fate = vectorized!(simd, {
-                    let moved = condition.of(&forces, (from * length, length, slack));
-                    let scaled = Polynomial { coefficients: moved, length: span * length };
+                    let mut left = friction_left(&forces[row / 2], (limit, sign), from * length);
+                    left[0] += slack - first;
+                    left[1] -= rate;
+                    let scaled = Polynomial { coefficients: left, length: span * length };
                     scaled.first_fall(&scaled.outline())
                 });
                 match fate {
@@ -87,68 +129,22 @@ pub(super) fn held_until<S: Vector>(
     Some(from)
 }
 
-/// Forces in gaps that are linear in time.
-struct LinearGapForces<'a> {
-    from: &'a [[f64; 2]],
-    to: &'a [[f64; 2]],
-    /// The part of the step from the first to the last.
-    part: f64,
-}
-
-/// A bound on the friction of a contact, in one direction.
-struct HeldCondition {
-    contact: usize,
-    limit: f64,
-    sign: f64,
-    /// What the forces in gaps take up of the reserve, and its rate per part of the step.
-    taken: f64,
-    rate: f64,
-}
-
-/// Returns the conditions of all contacts.
-fn conditions<'a>(
-    cluster: &'a HeldCluster,
-    contacts: &'a [HeldContact],
-    course: &'a LinearGapForces<'a>,
-) -> impl Iterator<Item = HeldCondition> + 'a {
-    let columns: Vec<[GapColumn; 2]> =
-        cluster.gaps.iter().map(|gap| gap_columns(gap, contacts)).collect();
-    (0..2 * contacts.len()).map(move |row| {
-        let taken = |forces: &[[f64; 2]]| -> f64 {
-            let of_gap = |(columns, forces): (&[GapColumn; 2], &[f64; 2])| {
-                columns[0][row] * forces[0] + columns[1][row] * forces[1]
-            };
-            columns.iter().zip(forces).map(of_gap).sum()
-        };
-        let first = taken(course.from);
-        HeldCondition {
-            contact: row / 2,
-            limit: contacts[row / 2].limit,
-            sign: if row % 2 == 0 { 1.0 } else { -1.0 },
-            taken: first,
-            rate: (taken(course.to) - first) / course.part,
+/// Returns what is left of the friction of a contact in one direction, as a power series of the time since `start`.
+#[inline(always)]
+fn friction_left(
+    [normal, friction]: &[Powers; 2],
+    (limit, sign): (f64, f64),
+    start: f64,
+) -> Powers {
+    let mut left: Powers = std::array::from_fn(|k| limit * normal[k] - sign * friction[k]);
+    // Taylor's shift, by Horner's scheme. A shift by 0 changes nothing.
+    let shifted = if start == 0.0 { 0 } else { left.len() };
+    for first in 0..shifted {
+        for k in (first..left.len() - 1).rev() {
+            left[k] = left[k + 1].mul_add(start, left[k]);
         }
-    })
-}
-
-impl HeldCondition {
-    /// Returns the condition as a power series of the time since `start`.
-    #[inline(always)]
-    fn of(&self, forces: &[[Powers; 2]], (start, length, slack): (f64, f64, f64)) -> Powers {
-        let [normal, friction] = &forces[self.contact];
-        let mut held: Powers =
-            std::array::from_fn(|k| self.limit * normal[k] - self.sign * friction[k]);
-        // Taylor's shift, by Horner's scheme. A shift by 0 changes nothing.
-        let shifted = if start == 0.0 { 0 } else { held.len() };
-        for first in 0..shifted {
-            for k in (first..held.len() - 1).rev() {
-                held[k] = held[k + 1].mul_add(start, held[k]);
-            }
-        }
-        held[0] += slack - self.taken;
-        held[1] -= self.rate / length;
-        held
     }
+    left
 }
 
 fn value(powers: &Powers, time: f64) -> f64 {

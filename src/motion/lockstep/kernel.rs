@@ -118,8 +118,9 @@ pub(super) trait Kernel<S: Vector>: Sized {
     ) -> Self::LaneStates;
     /// Returns the lanes that may rest for good.
     fn rest(&self, state: &Self::LaneStates) -> u64;
-    /// Returns the lanes in which everything is slow at the start of the step.
-    fn still(&self, workspace: &Self::Workspace) -> u64;
+    /// Returns the lanes in which everything is slow at the start of the step; `sliding` are those with a contact that cannot
+    /// stick.
+    fn still(&self, workspace: &Self::Workspace, sliding: u64) -> u64;
 
     /// Returns the coefficients of a component in one lane, from order zero, as the series of the state in time. Missing
     /// coefficients are 0.
@@ -203,11 +204,7 @@ impl StepEnd {
             (ConditionFate::Holds, _) | (_, StepEnd::AtOnce(_)) => {}
             (ConditionFate::FailsAtOnce, _) => *self = StepEnd::AtOnce(failed),
             (ConditionFate::Fails(at), _) => {
-                let locates = matches!(
-                    failed,
-                    Condition::Event(_) | Condition::Gap(_) | Condition::Landing(_)
-                );
-                self.earlier(if locates { condition.refined(at) } else { at }, failed);
+                self.earlier(if failed.resets() { condition.refined(at) } else { at }, failed);
             }
         }
     }

@@ -7,6 +7,8 @@ use super::gap_conditions::OpenGaps;
 use super::kernel::Kernel;
 use super::lane::Lane;
 use super::{LANES, Lanes};
+use crate::motion::cluster::held_clusters;
+use crate::motion::impact::Impact;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 
 /// Eight lanes, some of them empty.
@@ -97,11 +99,21 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
 
     /// Starts a phase in a lane.
     pub(super) fn enter(&mut self, lane: usize, state: &[f64]) {
-        let Some(run) = &self.lanes[lane] else { return };
+        let Some(run) = &mut self.lanes[lane] else { return };
+        if run.has_gaps {
+            let gaps = run.system.touching().map_or(&[][..], |touching| touching.gaps());
+            run.held = held_clusters(gaps, &run.phases);
+        }
         self.kernel.set_lane(&mut self.state, lane, state);
         self.kernel.set_phases(&mut self.workspace, lane, run, state);
         self.kernel.set_rest(lane, run, state);
         self.gaps.set(lane, run);
+    }
+
+    /// Returns the impact at the end of the latest step of a lane or, before the first step, at the start.
+    pub(super) fn impact(&self, lane: usize) -> Option<&Impact> {
+        let latest = self.lanes[lane].as_ref().filter(|run| run.hit_at == self.time[lane]);
+        latest?.impact.as_deref()
     }
 }
 

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use smallvec::SmallVec;
-
 use crate::model::System;
+use crate::motion::cluster::HeldCluster;
 use crate::motion::condition::Margins;
-use crate::motion::impact::{Hit, Impact};
+use crate::motion::impact::Impact;
 use crate::motion::settings::MOST_EVENTS_AT_ONCE;
 use crate::motion::{Effort, Failure, PerContact, Phases, Settings, Touches, any_closed};
 
@@ -33,17 +32,14 @@ pub(crate) struct Lane {
     pub(super) during: Phases,
     pub(super) last_switches: PerContact,
     pub(super) switches: u64,
-    /// The number of impacts, and of contacts that they have lifted off their support.
-    pub(super) impacts: u64,
-    pub(super) lifted: u64,
-    /// The impacts of the latest event, and its time.
-    pub(super) hits: SmallVec<[Hit; 2]>,
-    /// The contacts that were apart and have hit at the same time.
-    pub(super) landed: SmallVec<[usize; 2]>,
+    /// The impact of the latest event, if there was one, and the time of the latest impact.
+    pub(super) impact: Option<Box<Impact>>,
     pub(super) hit_at: f64,
-    /// The time in which any gap was closed, until the latest change, and the time of that change.
-    pub(super) touching_time: f64,
+    /// How the contacts have touched until the latest gap closed or opened, and the time of that.
+    pub(super) touches: Touches,
     pub(super) last_touch: f64,
+    /// The contacts that stick and touch.
+    pub(super) held: Vec<HeldCluster>,
     /// Whether a perturbation met a switch by grazing.
     pub(super) grazed: bool,
     /// The events within a unit of time over the fastest rate, and its begin.
@@ -61,11 +57,7 @@ impl Lane {
     pub(super) fn touches(&self, time: f64) -> Option<Touches> {
         self.system.touching()?;
         let now = if any_closed(&self.phases) { time - self.last_touch } else { 0.0 };
-        Some(Touches {
-            impacts: self.impacts,
-            lifted_off: self.lifted,
-            time: self.touching_time + now,
-        })
+        Some(Touches { time: self.touches.time + now, ..self.touches })
     }
 
     /// Counts an event.
@@ -77,15 +69,18 @@ impl Lane {
         if self.events > MOST_EVENTS_AT_ONCE { Err(Failure::StepLimit) } else { Ok(()) }
     }
 
+    /// Returns whether a contact sticks and touches others.
+    pub(super) fn is_held(&self, contact: usize) -> bool {
+        self.held.iter().any(|cluster| cluster.contacts.contains(&contact))
+    }
+
     /// Takes in the impact of an event, if there was one.
-    pub(super) fn take_in(&mut self, impact: Option<&Impact>, time: f64) {
-        self.hits.clear();
-        self.landed.clear();
-        if let Some(impact) = impact {
-            self.impacts += (impact.hits.len() + impact.landed.len()) as u64;
-            self.lifted += impact.lifted as u64;
-            (self.hits, self.hit_at) = (impact.hits.clone(), time);
-            self.landed.clone_from(&impact.landed);
+    pub(super) fn take_in(&mut self, impact: Option<Box<Impact>>, time: f64) {
+        if let Some(impact) = &impact {
+            self.touches.impacts += (impact.hits.len() + impact.landed.len()) as u64;
+            self.touches.lifted_off += impact.lifted as u64;
+            self.hit_at = time;
         }
+        self.impact = impact;
     }
 }

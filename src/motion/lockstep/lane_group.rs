@@ -269,13 +269,11 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn hits(&self, lane: usize) -> &[Hit] {
-        let latest = self.lanes[lane].as_ref().filter(|run| run.hit_at == self.time[lane]);
-        latest.map_or(&[], |run| &run.hits)
+        self.impact(lane).map_or(&[], |impact| &impact.hits)
     }
 
     fn landed(&self, lane: usize) -> &[usize] {
-        let latest = self.lanes[lane].as_ref().filter(|run| run.hit_at == self.time[lane]);
-        latest.map_or(&[], |run| &run.landed)
+        self.impact(lane).map_or(&[], |impact| &impact.landed)
     }
 
     fn touches(&self, lane: usize) -> Option<Touches> {
@@ -283,7 +281,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
     }
 
     fn impacts(&self, lane: usize) -> u64 {
-        self.lanes[lane].as_ref().map_or(0, |run| run.impacts)
+        self.lanes[lane].as_ref().map_or(0, |run| run.touches.impacts)
     }
 
     fn effort(&self, lane: usize) -> Effort {

@@ -14,7 +14,8 @@ use crate::motion::force_model::RecordedForces;
 use crate::motion::stick_slip::start_phases;
 use crate::motion::touching_system::TouchingSystem;
 use crate::motion::{
-    Effort, Evaluator, Failure, PerContact, Phase, Phases, SINGULAR, SLOW, Settings, any_closed,
+    Effort, Evaluator, Failure, PerContact, Phase, Phases, SINGULAR, SLOW, Settings, Touches,
+    any_closed,
 };
 
 /// A run taken out of its lane, which can be put into any lane.
@@ -107,20 +108,18 @@ impl SavedRun {
             during: phases.clone(),
             last_switches: smallvec![0.0; phases.len()],
             switches: 0,
-            impacts: 0,
-            lifted: 0,
-            hits: SmallVec::new(),
-            landed: SmallVec::new(),
+            impact: None,
             hit_at: 0.0,
-            touching_time: 0.0,
+            touches: Touches::default(),
             last_touch: 0.0,
+            held: Vec::new(),
             phases,
             grazed: false,
             events: 0,
             events_since: 0.0,
             system: Arc::clone(system),
         };
-        lane.take_in(impact.as_ref(), 0.0);
+        lane.take_in(impact.map(Box::new), 0.0);
         let next = lane.longest_step;
         Ok(SavedRun {
             lane,
@@ -147,15 +146,13 @@ impl SavedRun {
         let mut lane = Lane {
             last_switches: before.last_switches.clone(),
             switches: before.switches,
-            impacts: before.impacts,
-            lifted: before.lifted + u64::from(lifted),
+            touches: before.touches,
             // A kick separates contacts that touch, but it is no impact between them.
-            hits: SmallVec::new(),
-            landed: SmallVec::new(),
-            touching_time: before.touching_time,
+            impact: None,
             last_touch: before.last_touch,
             ..started.lane
         };
+        lane.touches.lifted_off += u64::from(lifted);
         let contacts = system.contacts();
         for (contact, last) in lane.last_switches.iter_mut().enumerate() {
             if lane.phases[contact] != before.phases[contact] {
@@ -164,7 +161,7 @@ impl SavedRun {
             }
         }
         if any_closed(&before.phases) {
-            lane.touching_time += self.time - before.last_touch;
+            lane.touches.time += self.time - before.last_touch;
         }
         lane.last_touch = self.time;
         Ok(SavedRun {

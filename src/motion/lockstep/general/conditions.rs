@@ -10,11 +10,9 @@ use super::compiled::Compiled;
 use super::series::{ConditionBound, Programs};
 use super::workspace::RecordedWorkspace;
 use crate::motion::Phase;
-use crate::motion::cluster::HeldCluster;
 use crate::motion::condition::{Condition, Margins};
 use crate::motion::lockstep::ORDER;
 use crate::motion::lockstep::gap_conditions::Pressure;
-use crate::motion::lockstep::held_until::held_until;
 use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::{ConditionFate, Polynomial};
@@ -39,7 +37,7 @@ pub(super) fn first_event<S: Vector>(
     workspace: &RecordedWorkspace<S>,
     program: &Compiled,
     (run, lane, length): (&Lane, usize, f64),
-    (pressures, clusters): (&[Pressure<S>], &[HeldCluster]),
+    pressures: &[Pressure<S>],
     ignored: &[Condition],
 ) -> StepEnd {
     let mut first = StepEnd::Nothing;
@@ -60,22 +58,13 @@ pub(super) fn first_event<S: Vector>(
         }
     }
     let is_doubtful = |contact: &usize| of_contacts[*contact] & 1 << lane != 0;
-    for cluster in clusters {
-        let failed = Condition::Held(cluster.contacts[0]);
-        if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
-            let series = |contact: usize| {
-                let [_, _, normal, friction] = operations.contacts[contact];
-                [normal, friction].map(|slot| {
-                    std::array::from_fn(|k| if k < ORDER { series.of(slot)[k][lane] } else { 0.0 })
-                })
-            };
-            match held_until(simd, run, cluster, series, (length, slack)) {
-                Some(0.0) => first = StepEnd::AtOnce(failed),
-                Some(part) => first.earlier(part, failed),
-                None => {}
-            }
-        }
-    }
+    let if_stuck = |contact: usize| {
+        let [_, _, normal, friction] = operations.contacts[contact];
+        [normal, friction].map(|slot| {
+            std::array::from_fn(|k| if k < ORDER { series.of(slot)[k][lane] } else { 0.0 })
+        })
+    };
+    first.or_released(simd, run, (is_doubtful, if_stuck), (length, slack), ignored);
     for (contact, slots) in operations.contacts.iter().enumerate() {
         if of_contacts[contact] & 1 << lane == 0 {
             continue;
@@ -109,7 +98,7 @@ pub(super) fn first_event<S: Vector>(
                 });
             }
             // Contacts that touch are held together.
-            Phase::Stick if clusters.iter().any(|cluster| cluster.contacts.contains(&contact)) => {}
+            Phase::Stick if run.is_held(contact) => {}
             Phase::Stick => {
                 let limit = run.limits[contact];
                 let held = |sign: f64| move |k| limit * normal(k) - sign * friction(k);

@@ -15,7 +15,6 @@ use super::series::{ConditionBound, Programs};
 use super::workspace::{RecordedLaneStates, RecordedWorkspace, SeriesView};
 use crate::model::{Components, Graph, System};
 use crate::motion::all_stick;
-use crate::motion::cluster::{HeldCluster, held_clusters};
 use crate::motion::condition::Condition;
 use crate::motion::evaluator::Evaluator;
 use crate::motion::force_model::ForceModel;
@@ -25,7 +24,6 @@ use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::step_length::{longest_step, reciprocal};
 use crate::motion::lockstep::vector::{Fused, Powers, Vector};
 use crate::motion::lockstep::{LANES, Lanes, ORDER, TERMS};
-use crate::motion::touching_system::TouchingSystem;
 
 /// The equations of a recorded system in all lanes.
 pub(in crate::motion::lockstep) struct GeneralKernel<S: Vector> {
@@ -36,8 +34,6 @@ pub(in crate::motion::lockstep) struct GeneralKernel<S: Vector> {
     speeds: Vec<Option<usize>>,
     /// The condition of each closed gap.
     pressures: Vec<Pressure<S>>,
-    /// The contacts that stick and touch, in each lane.
-    held: [Vec<HeldCluster>; LANES],
     evaluators: [Option<Evaluator>; LANES],
     /// Bit mask of lanes in which all contacts stick.
     stuck: u64,
@@ -58,7 +54,6 @@ impl<S: Vector> GeneralKernel<S> {
             simd,
             speeds: (0..contacts).map(|contact| graph.speed_component(contact)).collect(),
             pressures: vec![Pressure::none(simd); graph.gaps.len()],
-            held: std::array::from_fn(|_| Vec::new()),
             evaluators: std::array::from_fn(|_| None),
             stuck: 0,
             parameters: std::array::from_fn(|_| Vec::new()),
@@ -177,9 +172,9 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
             }
         }
         let scratch = self.scratch[lane].get_mut();
-        let inputs = scratch.inputs(operations, run.system.as_ref(), &run.phases);
-        for ((cell, _), value) in operations.inputs[0].iter().zip(inputs) {
-            workspace.set_constant(*cell, lane, *value);
+        scratch.set_inputs(operations, run.system.as_ref(), &run.phases);
+        for (cell, _) in &operations.inputs[0] {
+            workspace.set_constant(*cell, lane, scratch.memory[*cell as usize]);
         }
         for (cell, component) in &operations.discrete {
             workspace.set_constant(*cell, lane, state[*component as usize]);
@@ -192,14 +187,8 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
                 workspace.set(cell, lane, number);
             }
         }
-        let evaluator = self.evaluators[lane].as_ref().filter(|_| run.has_gaps);
-        let Some(in_touch) =
-            evaluator.and_then(|evaluator| TouchingSystem::new(evaluator, run.settings))
-        else {
-            return;
-        };
-        self.held[lane] = held_clusters(in_touch.gaps, &run.phases);
-        let gaps = in_touch.gaps.iter().zip(&run.phases[self.speeds.len()..]);
+        let Some(touching) = run.system.touching() else { return };
+        let gaps = touching.gaps().iter().zip(&run.phases[self.speeds.len()..]);
         for (place, (pressure, (gap, phase))) in self.pressures.iter_mut().zip(gaps).enumerate() {
             pressure.set(lane, run, (gap, *phase));
             workspace.set(operations.of_gap(place, GapCell::Weight), lane, pressure.weight[lane]);
@@ -216,7 +205,6 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn clear(&mut self, lane: usize) {
         self.evaluators[lane] = None;
-        self.held[lane].clear();
         for pressure in &mut self.pressures {
             pressure.clear(lane);
         }
@@ -370,8 +358,8 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
         ignored: &[Condition],
     ) -> StepEnd {
         let in_lane = (run, lane, length);
-        let of_gaps = (&self.pressures[..], &self.held[lane][..]);
-        conditions::first_event(self.simd, workspace, &self.program, in_lane, of_gaps, ignored)
+        let pressures = &self.pressures;
+        conditions::first_event(self.simd, workspace, &self.program, in_lane, pressures, ignored)
     }
 
     #[inline(always)]
@@ -406,7 +394,7 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
     }
 
     #[inline(always)]
-    fn still(&self, workspace: &Self::Workspace) -> u64 {
+    fn still(&self, workspace: &Self::Workspace, _sliding: u64) -> u64 {
         let mut most = Lanes::splat(self.simd, 0.0);
         for &rate in &self.program.operations.settling {
             most = most.max(workspace.series().of(rate)[0].abs());

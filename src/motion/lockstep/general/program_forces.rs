@@ -40,24 +40,18 @@ impl DecisionMemory {
         }
     }
 
-    /// Returns the inputs that depend on phases.
+    /// Sets the inputs that depend on phases.
     ///
     /// # Panics
     /// Panics if a parameter depends on phases: a system with such a parameter is a programming error.
-    pub(super) fn inputs(
+    pub(super) fn set_inputs(
         &mut self,
         operations: &Operations,
         system: &dyn System,
         phases: &[Phase],
-    ) -> &[f64] {
-        let place = self.place(operations, system, phases);
-        &self.known[place].1
-    }
-
-    /// Returns the place of phases with the inputs that depend on them.
-    fn place(&mut self, operations: &Operations, system: &dyn System, phases: &[Phase]) -> usize {
+    ) {
         let known = &mut self.known;
-        known.iter().position(|(of, _)| of[..] == *phases).unwrap_or_else(|| {
+        let place = known.iter().position(|(of, _)| of[..] == *phases).unwrap_or_else(|| {
             let modes: Vec<_> = phases.iter().map(|phase| phase.mode()).collect();
             let all = system.inputs(&modes);
             for (cell, input) in &operations.inputs[1] {
@@ -71,7 +65,10 @@ impl DecisionMemory {
             }
             known.push((Phases::from_slice(phases), of_modes.collect()));
             known.len() - 1
-        })
+        });
+        for ((cell, _), value) in operations.inputs[0].iter().zip(&known[place].1) {
+            self.memory[*cell as usize] = *value;
+        }
     }
 }
 
@@ -111,12 +108,8 @@ impl<'a, S: Vector> ProgramForces<'a, S> {
             return;
         }
         let Compiled { operations, programs, .. } = self.program;
-        let place = scratch.place(operations, self.run.system.as_ref(), phases);
-        let DecisionMemory { memory, known, .. } = scratch;
-        for ((cell, _), value) in operations.inputs[0].iter().zip(&known[place].1) {
-            memory[*cell as usize] = *value;
-        }
-        programs.decision.run(self.simd, memory);
+        scratch.set_inputs(operations, self.run.system.as_ref(), phases);
+        programs.decision.run(self.simd, &mut scratch.memory);
         scratch.latest = Some(Phases::from_slice(phases));
     }
 

@@ -8,7 +8,6 @@ use super::terms::DYING;
 use crate::model::Balancer;
 use crate::motion::Phase;
 use crate::motion::condition::Condition;
-use crate::motion::lockstep::held_until::held_until;
 use crate::motion::lockstep::kernel::StepEnd;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::root_isolation::Polynomial;
@@ -42,19 +41,9 @@ pub(super) fn first_event<S: Vector, const N: usize>(
                 first.or(simd, &pressed, None, failed);
             }
         }
-        let clusters = &gaps.held[lane];
-        for cluster in clusters {
-            let failed = Condition::Held(cluster.contacts[0]);
-            let is_doubtful = |ball: &usize| lanes_to_examine.of_balls[*ball] & bit != 0;
-            if cluster.contacts.iter().any(is_doubtful) && !ignored.contains(&failed) {
-                let forces = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
-                match held_until(simd, run, cluster, forces, (length, slack)) {
-                    Some(0.0) => first = StepEnd::AtOnce(failed),
-                    Some(part) => first.earlier(part, failed),
-                    None => {}
-                }
-            }
-        }
+        let is_doubtful = |ball: &usize| lanes_to_examine.of_balls[*ball] & bit != 0;
+        let if_stuck = |ball: usize| forces_if_stuck(series, balancer, lane, ball);
+        first.or_released(simd, run, (is_doubtful, if_stuck), (length, slack), ignored);
         for (ball, phase) in run.phases[..N].iter().enumerate() {
             let loose = lanes_to_examine.loose & 1 << lane != 0;
             if !loose && lanes_to_examine.of_balls[ball] & 1 << lane == 0 {
@@ -84,9 +73,7 @@ pub(super) fn first_event<S: Vector, const N: usize>(
                         let accelerating = |k| direction * ((k + 1) as f64 * speed(k + 1));
                         (Polynomial::of(length, slack, ORDER - 1, accelerating), None)
                     }
-                    (Phase::Stick, 0 | 1)
-                        if !clusters.iter().any(|cluster| cluster.contacts.contains(&ball)) =>
-                    {
+                    (Phase::Stick, 0 | 1) if !run.is_held(ball) => {
                         let bounds = lanes_to_examine.held[ball][which].outline(lane);
                         if bounds.holds() {
                             continue;

@@ -9,11 +9,10 @@ use fearless_simd::SimdBase;
 use super::equations::Equations;
 use super::terms::Solver;
 use crate::model::{self, pushes};
-use crate::motion::cluster::{HeldCluster, held_clusters};
+use crate::motion::lockstep::Lanes;
 use crate::motion::lockstep::gap_conditions::Pressure;
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::vector::{Fused, Vector, vectorized};
-use crate::motion::lockstep::{LANES, Lanes};
 
 /// The forces in the gaps, or the accelerations of the balls, for one power of time.
 pub(super) type OfEach<S, const N: usize> = [Lanes<S>; N];
@@ -21,8 +20,6 @@ pub(super) type OfEach<S, const N: usize> = [Lanes<S>; N];
 /// The gaps of all lanes. Their number is that of the balls.
 pub(super) struct GapForceEquations<S: Vector, const N: usize> {
     pub(super) gaps: [GapForceEquation<S, N>; N],
-    /// The balls that stick and touch, in each lane.
-    pub(super) held: [Vec<HeldCluster>; LANES],
 }
 
 /// A gap in all lanes. All numbers are 0 in lanes in which it has no force.
@@ -53,7 +50,7 @@ impl<S: Vector, const N: usize> GapForceEquations<S, N> {
             side: [zero; N],
             pressure: Pressure::none(simd),
         };
-        GapForceEquations { gaps: [gap; N], held: std::array::from_fn(|_| Vec::new()) }
+        GapForceEquations { gaps: [gap; N] }
     }
 
     /// Returns whether any lane has a force in a gap.
@@ -68,7 +65,6 @@ impl<S: Vector, const N: usize> GapForceEquations<S, N> {
 
     /// Forgets a lane.
     pub(super) fn clear(&mut self, lane: usize) {
-        self.held[lane].clear();
         for gap in &mut self.gaps {
             gap.closed &= !(1 << lane);
             gap.open[lane] = 1.0;
@@ -90,7 +86,6 @@ impl<S: Vector, const N: usize> GapForceEquations<S, N> {
         equations: &Equations<S, N>,
     ) {
         self.clear(lane);
-        self.held[lane] = held_clusters(gaps, &run.phases);
         let modes: Vec<_> = run.phases.iter().map(|phase| phase.mode()).collect();
         let pushes = pushes(gaps, &modes);
         let phases = &run.phases[N..];

@@ -36,8 +36,6 @@ pub(in crate::motion::lockstep) struct TunedKernel<S: Vector, const N: usize> {
     evaluators: [Option<Evaluator>; LANES],
     /// The latest of them, for the next one.
     latest: Option<Evaluator>,
-    /// Bit mask of lanes with a ball that cannot stick.
-    sliding: u64,
 }
 
 /// Work space of a step, with the results of the latest step.
@@ -59,7 +57,6 @@ impl<S: Vector, const N: usize> TunedKernel<S, N> {
             gaps: GapForceEquations::none(simd),
             evaluators: std::array::from_fn(|_| None),
             latest: None,
-            sliding: 0,
         }
     }
 
@@ -114,9 +111,6 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         for (watched, ball) in self.watched.iter_mut().zip(&balancer.balls) {
             watched.limit[lane] = ball.friction.limit;
         }
-        let bit = 1 << lane;
-        let slides = balancer.balls.iter().any(|ball| !ball.friction.can_stick());
-        self.sliding = self.sliding & !bit | if slides { bit } else { 0 };
         self.balancers[lane] = Some(balancer);
         self.phases[lane] = [None; N];
         self.gaps.clear(lane);
@@ -154,7 +148,6 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     fn clear(&mut self, lane: usize) {
-        self.sliding &= !(1 << lane);
         self.rest.clear(lane);
         self.balancers[lane] = None;
         self.gaps.clear(lane);
@@ -311,8 +304,8 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
     }
 
     #[inline(always)]
-    fn still(&self, workspace: &Self::Workspace) -> u64 {
-        if self.sliding == 0 {
+    fn still(&self, workspace: &Self::Workspace, sliding: u64) -> u64 {
+        if sliding == 0 {
             return 0;
         }
         let [first, second, third, ..] = &workspace.series.terms;
@@ -325,7 +318,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         for i in 0..N {
             most = most.max(first.balls[i].speed.abs()).max(second.balls[i].speed.abs());
         }
-        most.simd_le(Lanes::splat(simd, STILL)).to_bitmask() & self.sliding
+        most.simd_le(Lanes::splat(simd, STILL)).to_bitmask() & sliding
     }
 
     fn component(
