@@ -2,7 +2,7 @@
 
 use super::evaluator::Forces;
 use super::force_model::{ForceModel, RecordedForces};
-use super::joint_decision::check_forces;
+use super::joint_decision::{Open, check_forces};
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Friction, Method, System};
 
@@ -36,15 +36,32 @@ pub(super) fn decide_at_rest(
     phases: &mut Phases,
     fixed: &[usize],
 ) -> Result<(), Failure> {
-    match method {
-        Method::Switch => switch_model::decide(system, phases, check_forces),
+    let forces = match method {
+        Method::Switch => switch_model::decide(system, phases),
         Method::Event => {
             let is_open = |(contact, phase): (usize, &Phase)| {
                 *phase == Phase::Stick && !fixed.contains(&contact)
             };
             let at_rest = phases.iter().enumerate().map(is_open).collect();
-            event_driven::decide(system, phases, &at_rest, check_forces)
+            event_driven::decide(system, phases, &at_rest)
         }
+    }?;
+    check_forces(&forces)
+}
+
+/// Changes the phases of contacts whose speeds have reached zero, or the edge of the band. Returns which contacts have stopped:
+/// in the switch model, none does at once.
+pub(super) fn end_slip(
+    settings: Settings,
+    phases: &mut Phases,
+    speed: impl Fn(usize) -> f64,
+) -> Open {
+    match settings.method {
+        Method::Switch => {
+            switch_model::cross_band(settings.band, phases, speed);
+            Open::from_elem(false, phases.len())
+        }
+        Method::Event => event_driven::stop(phases, speed),
     }
 }
 
@@ -71,9 +88,5 @@ pub fn decide(
     state: &[f64],
     phases: &mut Phases,
 ) -> Result<Forces, Failure> {
-    switch_model::decide(
-        &RecordedForces::new(evaluator, state),
-        phases,
-        |forces| Ok(forces.clone()),
-    )
+    switch_model::decide(&RecordedForces::new(evaluator, state), phases)
 }
