@@ -26,7 +26,7 @@ use super::separate_contacts::SeparateContacts;
 use super::stick_slip::decide_at_rest;
 use super::touching_system::TouchingSystem;
 use super::{Direction, Failure, IncrementalForces, Phase, Phases, event_driven, switch_model};
-use crate::model::{Holding, Method, Opening};
+use crate::model::{Method, Opening};
 
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
@@ -207,7 +207,9 @@ impl TouchingSystem<'_> {
         let choices: SmallVec<[Phase; 4]> = match phase {
             _ if fixed.contains(&place) => [*phase].into_iter().collect(),
             Phase::Stick | Phase::Transition(_) => {
-                self.choices().into_iter().chain(self.apart(place)).collect()
+                let directions = [Direction::Forward, Direction::Backward];
+                let sets_off = directions.map(self.sets_off());
+                [Phase::Stick].into_iter().chain(sets_off).chain(self.apart(place)).collect()
             }
             Phase::Slip(_) | Phase::Free => [*phase].into_iter().chain(self.apart(place)).collect(),
             Phase::Closed => [Phase::Closed, Phase::Open].into_iter().collect(),
@@ -226,11 +228,6 @@ impl TouchingSystem<'_> {
     /// Returns the further choice of a contact that opens.
     fn apart(&self, contact: usize) -> Option<Phase> {
         self.openings.iter().any(|opening| opening.contact == contact).then_some(Phase::Apart)
-    }
-
-    fn choices(&self) -> [Phase; 3] {
-        let sets_off = self.sets_off();
-        [Phase::Stick, sets_off(Direction::Forward), sets_off(Direction::Backward)]
     }
 
     /// Returns the phase of a contact that sets off in a direction.
@@ -320,14 +317,12 @@ impl TouchingSystem<'_> {
         let clusters = held_clusters(self.gaps, phases);
         let in_cluster =
             |contact: usize| clusters.iter().any(|cluster| cluster.contacts.contains(&contact));
+        let limit = |contact: usize| self.evaluator.system().friction(contact).limit;
         let holds = |contact: usize| {
             let ContactForces { acceleration, normal, friction, .. } = forces[contact];
             match of_contacts[contact] {
                 Phase::Stick if fixed.contains(&contact) || in_cluster(contact) => true,
-                Phase::Stick => {
-                    let limit = self.evaluator.system().friction(contact).limit;
-                    limit * normal - friction.abs() >= -slack
-                }
+                Phase::Stick => limit(contact) * normal - friction.abs() >= -slack,
                 Phase::Transition(direction) => direction * acceleration >= -for_motion,
                 // It was at rest, and sets off.
                 Phase::Slip(direction) if given[contact] == Phase::Stick => {
@@ -336,20 +331,12 @@ impl TouchingSystem<'_> {
                 _ => true,
             }
         };
+        let pair = |contact: usize| [forces[contact].normal, forces[contact].friction];
         let held = |cluster: &HeldCluster| {
             let is_fixed = cluster.contacts.iter().any(|contact| fixed.contains(contact));
-            is_fixed || self.holding(cluster, forces).reserve >= -slack
+            is_fixed || cluster.holding(limit, pair).reserve >= -slack
         };
         (0..of_contacts.len()).all(holds) && clusters.iter().all(held)
-    }
-
-    /// Returns the forces that hold contacts that stick and touch.
-    fn holding(&self, cluster: &HeldCluster, forces: &Forces) -> Holding {
-        let system = self.evaluator.system();
-        cluster.holding(
-            |contact| system.friction(contact).limit,
-            |contact| [forces[contact].normal, forces[contact].friction],
-        )
     }
 }
 
