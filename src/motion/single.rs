@@ -282,7 +282,7 @@ impl Motion {
 
     /// Returns the current instant, after a switch at the end of the latest step.
     pub fn now(&self) -> Instant {
-        self.instant(self.time(), self.state(), self.unwrapped(), self.phases())
+        self.instant(self.state(), self.unwrapped(), self.phases())
     }
 
     /// Returns the current instant before the switch at the end of the latest step; `None` without
@@ -291,11 +291,11 @@ impl Motion {
         let during = self.phases_during_step();
         let reset = self.lane().was_reset(0);
         let instant = || match reset {
-            false => self.instant(self.time(), self.state(), self.unwrapped(), during),
+            false => self.instant(self.state(), self.unwrapped(), during),
             true => {
                 let unwrapped =
                     self.lane().unwrapped_within(0, self.time() - self.last_step_began());
-                self.instant(self.time(), self.lane().end_of_step(0), unwrapped, during)
+                self.instant(self.lane().end_of_step(0), unwrapped, during)
             }
         };
         self.has_switched().then(instant)
@@ -307,13 +307,8 @@ impl Motion {
         self.stepped && (switched || self.lane().was_reset(0))
     }
 
-    fn instant(
-        &self,
-        time: f64,
-        state: Components,
-        unwrapped: PerContact,
-        phases: &[Phase],
-    ) -> Instant {
+    fn instant(&self, state: Components, unwrapped: PerContact, phases: &[Phase]) -> Instant {
+        let time = self.time();
         let forces = self.evaluator.forces(phases, &state);
         Instant { time, state, unwrapped, phases: phases.into(), forces }
     }
