@@ -9,12 +9,11 @@ use super::kernel::{Kernel, StepEnd};
 use super::kernel_lanes::KernelLanes;
 use super::lane_group::LaneGroup;
 use super::simd_level::{tested_vectors, with_each_level};
-use super::tuned::TunedKernel;
+use super::tuned::{TunedKernel, contact};
 use super::vector::Vector;
 use super::{LANES, Lanes, SavedRun};
 use crate::model::{
-    Balancer, Components, Contact, ContactMode, FrictionLaw, Machine, Method, NormalForce, State,
-    System,
+    Balancer, Components, FrictionLaw, Machine, Method, NormalForce, State, System,
 };
 use crate::motion::{Phase, Settings, Tolerance};
 
@@ -38,14 +37,8 @@ fn dragged() -> Machine {
 /// Returns whether a normal force is negative by the hand-written equations.
 fn leaves(balancer: &Balancer<2>, phases: &[Phase], state: &[f64]) -> bool {
     let state: State<2> = State::of_components(state).expect("two balls");
-    let contacts = std::array::from_fn(|ball| match phases[ball].mode() {
-        ContactMode::Stick | ContactMode::Apart | ContactMode::Open | ContactMode::Closed => {
-            Contact::STICK
-        }
-        ContactMode::Slip(direction) => {
-            balancer.balls[ball].friction.slip(direction, state.beta_dot[ball])
-        }
-        ContactMode::BreakingAway(direction) => balancer.balls[ball].friction.slip(direction, 0.0),
+    let contacts = std::array::from_fn(|ball| {
+        contact(phases[ball], &balancer.balls[ball].friction, state.beta_dot[ball])
     });
     balancer.forces(&state, &contacts).normal.iter().any(|normal| *normal < -1e-6)
 }

@@ -149,7 +149,11 @@ impl<S: Vector, const N: usize> Equations<S, N> {
 
 /// Returns how friction acts on a contact in a phase.
 #[inline]
-pub(super) fn contact(phase: Phase, friction: &Friction, speed: f64) -> Contact {
+pub(in crate::motion::lockstep) fn contact(
+    phase: Phase,
+    friction: &Friction,
+    speed: f64,
+) -> Contact {
     match phase {
         Phase::Stick | Phase::Apart | Phase::Open | Phase::Closed => Contact::STICK,
         Phase::Slip(direction) => friction.slip(direction.sign(), speed),

@@ -25,5 +25,7 @@ mod series;
 mod terms;
 
 pub(super) use balancer_forces::with_balancer_forces;
+#[cfg(test)]
+pub(super) use equations::contact;
 pub(super) use kernel::TunedKernel;
 pub(super) use terms::angles;
