@@ -47,12 +47,12 @@ impl<'a> LaneStep<'a> {
 
     /// Returns the impacts at the end of the step or, before the first step, at the start.
     pub(super) fn hits(&self) -> &'a [Hit] {
-        self.group.hits(self.lane)
+        self.group.impact(self.lane).map_or(&[], |impact| &impact.hits)
     }
 
     /// Returns the contacts that were apart and have hit at the end of the step or, before the first step, at the start.
     pub(super) fn landed(&self) -> &'a [usize] {
-        self.group.landed(self.lane)
+        self.group.impact(self.lane).map_or(&[], |impact| &impact.landed)
     }
 
     /// Returns the state at the step's end, before an event that resets it, with angles not reduced to one turn.

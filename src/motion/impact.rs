@@ -31,13 +31,13 @@ const UNRESOLVED: f64 = 1e-9;
 
 /// What an impact has done.
 #[derive(Clone, Debug)]
-pub(super) struct Impact {
+pub(crate) struct Impact {
     /// The places whose bodies stay together.
     pub(super) together: SmallVec<[ImpactPlace; 8]>,
     /// The gaps that were open and have closed.
-    pub(super) hits: SmallVec<[Hit; 2]>,
+    pub(crate) hits: SmallVec<[Hit; 2]>,
     /// The contacts that were apart and have hit.
-    pub(super) landed: SmallVec<[usize; 2]>,
+    pub(crate) landed: SmallVec<[usize; 2]>,
     /// The contacts that the impulses lift off their support, which the model does not follow.
     pub(super) lifted: usize,
 }

@@ -134,7 +134,9 @@ pub(super) trait Kernel<S: Vector>: Sized {
     /// Returns the components that are the position of a contact and, if it is one, its sliding speed.
     fn coordinates(&self, contact: usize) -> (usize, Option<usize>);
     /// Returns the component that determines the sliding speed of a contact, as [`crate::model::Graph::shifted_component`] does.
-    fn shifted(&self, contact: usize) -> Option<usize>;
+    fn shifted(&self, _contact: usize) -> Option<usize> {
+        None
+    }
     /// Returns the components whose displacement is measured.
     fn vibration(&self) -> Option<[usize; 2]>;
     /// Returns the measured displacement of a state; zero without one.

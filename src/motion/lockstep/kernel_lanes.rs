@@ -8,7 +8,6 @@ use super::kernel::Kernel;
 use super::lane::Lane;
 use super::{LANES, Lanes};
 use crate::motion::cluster::held_clusters;
-use crate::motion::impact::Impact;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 
 /// Eight lanes, some of them empty.
@@ -108,12 +107,6 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
         self.kernel.set_phases(&mut self.workspace, lane, run, state);
         self.kernel.set_rest(lane, run, state);
         self.gaps.set(lane, run);
-    }
-
-    /// Returns the impact at the end of the latest step of a lane or, before the first step, at the start.
-    pub(super) fn impact(&self, lane: usize) -> Option<&Impact> {
-        let latest = self.lanes[lane].as_ref().filter(|run| run.hit_at == self.time[lane]);
-        latest?.impact.as_deref()
     }
 }
 

@@ -12,8 +12,9 @@ use super::step_states::StepStates;
 use super::vector::Vector;
 use super::{LANES, Lanes, advance};
 use crate::model::{Components, System};
+use crate::motion::impact::Impact;
 use crate::motion::settings::MOST_PER_TIME;
-use crate::motion::{Effort, Hit, PerContact, Phase, Touches};
+use crate::motion::{Effort, PerContact, Phase, Touches};
 
 /// Eight lanes, some of them empty. States are in the components of the system.
 pub(crate) trait LaneGroup: StepStates {
@@ -75,10 +76,8 @@ pub(crate) trait LaneGroup: StepStates {
     /// Returns the last time at which each contact was faster than `SLOW`, or than the band if that is wider: 0 if
     /// it never was, and the current time if it is now.
     fn slow_since(&self, lane: usize) -> PerContact;
-    /// Returns the impacts at the end of the latest step or, before the first step, at the start.
-    fn hits(&self, lane: usize) -> &[Hit];
-    /// Returns the contacts that were apart and have hit at the end of the latest step or, before the first step, at the start.
-    fn landed(&self, lane: usize) -> &[usize];
+    /// Returns the impact at the end of the latest step or, before the first step, at the start.
+    fn impact(&self, lane: usize) -> Option<&Impact>;
     /// Returns how the contacts of the run in a lane have touched; `None` for a system without gaps.
     fn touches(&self, lane: usize) -> Option<Touches>;
     /// Returns the number of impacts of the run in a lane.
@@ -268,12 +267,9 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
         self.slow_since.iter().map(|since| since[lane]).collect()
     }
 
-    fn hits(&self, lane: usize) -> &[Hit] {
-        self.impact(lane).map_or(&[], |impact| &impact.hits)
-    }
-
-    fn landed(&self, lane: usize) -> &[usize] {
-        self.impact(lane).map_or(&[], |impact| &impact.landed)
+    fn impact(&self, lane: usize) -> Option<&Impact> {
+        let latest = self.lanes[lane].as_ref().filter(|run| run.hit_at == self.time[lane]);
+        latest?.impact.as_deref()
     }
 
     fn touches(&self, lane: usize) -> Option<Touches> {

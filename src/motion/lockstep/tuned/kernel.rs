@@ -335,10 +335,6 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         (4 + contact, Some(4 + N + contact))
     }
 
-    fn shifted(&self, _: usize) -> Option<usize> {
-        None
-    }
-
     fn vibration(&self) -> Option<[usize; 2]> {
         Some([0, 1])
     }
