@@ -16,23 +16,14 @@ use crate::motion::lockstep::{LANES, Lanes};
 
 /// A balancer in one state.
 pub(super) struct BalancerForces<'a, const N: usize> {
-    balancer: &'a Balancer<N>,
-    state: State<N>,
+    pub(super) balancer: &'a Balancer<N>,
+    pub(super) state: State<N>,
     /// Sine and cosine of the angles.
-    turned: [(f64, f64); N],
-    surely_one_solution: bool,
+    pub(super) turned: [(f64, f64); N],
+    pub(super) surely_one_solution: bool,
 }
 
-impl<'a, const N: usize> BalancerForces<'a, N> {
-    /// Creates it from the state and the sine and cosine of each angle.
-    pub(super) fn new(
-        balancer: &'a Balancer<N>,
-        surely_one_solution: bool,
-        (state, turned): (State<N>, [(f64, f64); N]),
-    ) -> Self {
-        BalancerForces { balancer, state, turned, surely_one_solution }
-    }
-
+impl<const N: usize> BalancerForces<'_, N> {
     fn contacts(&self, phases: &[Phase], state: &State<N>) -> [Contact; N] {
         std::array::from_fn(|i| {
             contact(phases[i], &self.balancer.balls[i].friction, state.beta_dot[i])
@@ -141,11 +132,12 @@ pub(in crate::motion::lockstep) fn with_balancer_forces<R>(
                 if let Some(balancer) = while_apart::<$balls>(system) {
                     let state = State::<$balls>::of_components(state)?;
                     let turned = state.beta.map(libm::sincos);
-                    return Some(with(&BalancerForces::new(
+                    return Some(with(&BalancerForces {
                         balancer,
+                        state,
+                        turned,
                         surely_one_solution,
-                        (state, turned),
-                    )));
+                    }));
                 }
             )*
         };

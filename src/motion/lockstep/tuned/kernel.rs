@@ -10,7 +10,7 @@ use super::event_functions::{ConditionCoefficients, LanesToExamine};
 use super::gap_forces::GapForceEquations;
 use super::recurrence::RECIPROCALS;
 use super::rest_ahead::RestAhead;
-use super::series::BalancerSeries;
+use super::series::{BalancerSeries, HigherPowers};
 use super::terms::BalancerLaneStates;
 use super::{event_location, perturbation};
 use crate::model::{Balancer, Components, State, System};
@@ -284,7 +284,8 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         time: Lanes<S>,
         into: &mut Self::LaneStates,
     ) {
-        *into = workspace.series.at(&self.equations, start, time);
+        let higher = HigherPowers::none(time.simd);
+        *into = workspace.series.at(&self.equations, start, time, ORDER, higher);
     }
 
     #[inline(always)]
@@ -350,7 +351,15 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         workspace: &Self::Workspace,
         times: [Lanes<S>; 3],
     ) -> [[Lanes<S>; 2]; 3] {
-        workspace.series.table_at(times)
+        let mut places = [[Lanes::splat(times[0].simd, 0.0); 2]; 3];
+        // All three times in one loop: each sum alone would wait for its previous term.
+        for term in workspace.series.terms[..=ORDER + 1].iter().rev() {
+            for (place, time) in places.iter_mut().zip(times) {
+                place[0] = place[0].fused(time, term.table[0]);
+                place[1] = place[1].fused(time, term.table[1]);
+            }
+        }
+        places
     }
 
     #[inline(always)]
@@ -388,6 +397,7 @@ impl<S: Vector, const N: usize> Kernel<S> for TunedKernel<S, N> {
         let state =
             State::<N>::of_components(state).expect("the components are those of the lanes");
         let turned = turned(self.equations.speed.simd, state.beta);
-        with(&BalancerForces::new(balancer, run.surely_one_solution, (state, turned)))
+        let surely_one_solution = run.surely_one_solution;
+        with(&BalancerForces { balancer, state, turned, surely_one_solution })
     }
 }

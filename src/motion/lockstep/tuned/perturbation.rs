@@ -12,7 +12,7 @@
 use fearless_simd::prelude::*;
 
 use super::equations::Equations;
-use super::recurrence::{Constants, Solving, products, solve};
+use super::recurrence::{Solving, products, solve};
 use super::series::{BalancerSeries, HigherPowers};
 use super::terms::BalancerLaneStates;
 use crate::motion::lockstep::Lanes;
@@ -121,7 +121,7 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
             let start = Some(&self.terms[0]);
             let residual = residual.as_ref();
             let by = Solving { solver: &self.solver, start, residual, gaps: &self.response };
-            solve::<S, N, TOUCHING>(terms, equations, &by, k, all, Constants::None);
+            solve::<S, N, TOUCHING>(terms, equations, &by, k, all);
         });
     }
 
@@ -219,5 +219,5 @@ pub(super) fn propagate<S: Vector, const N: usize>(
 ) -> BalancerLaneStates<S, N> {
     series.expand_perturbation(equations, perturbation, perturbed);
     let higher = series.beyond(equations, perturbed, length);
-    perturbed.at_with(equations, perturbation, length, LINEAR, higher)
+    perturbed.at(equations, perturbation, length, LINEAR, higher)
 }

@@ -31,15 +31,6 @@ pub(super) struct ProductSums<S: Vector> {
     pub(super) squared: Lanes<S>,
 }
 
-/// The constants that enter the equations at order 0 only.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Constants {
-    /// The imbalance and the resistance at speed 0.
-    Whole,
-    /// None: the equations for perturbations.
-    None,
-}
-
 impl<S: Vector> ProductSums<S> {
     #[inline(always)]
     pub(super) fn zero(simd: S) -> Self {
@@ -129,7 +120,8 @@ fn products_of<S: Vector, const N: usize, const M: usize>(
 /// The constants of all orders of a series.
 pub(super) struct Solving<'a, S: Vector, const N: usize> {
     pub(super) solver: &'a Solver<S, N>,
-    /// The directions at the start, if they are not those of the series itself.
+    /// The directions at the start of the motion, for a perturbation of it. Imbalance and resistance at speed 0 do not act on a
+    /// perturbation.
     pub(super) start: Option<&'a PowerCoefficients<S, N>>,
     pub(super) residual: Option<&'a ResidualForce<S>>,
     /// The effect of forces in gaps.
@@ -146,7 +138,6 @@ pub(super) fn solve<S: Vector, const N: usize, const TOUCHING: bool>(
     by: &Solving<S, N>,
     k: usize,
     sums: &[ProductSums<S>; N],
-    constants: Constants,
 ) -> Option<OfEach<S, N>> {
     let simd = equations.speed.simd;
     let number = |value: f64| Lanes::splat(simd, value);
@@ -155,7 +146,7 @@ pub(super) fn solve<S: Vector, const N: usize, const TOUCHING: bool>(
     let (lower, higher) = terms.split_at_mut(k + 1);
     let (now, [next, after, ..]) = (&mut lower[k], higher) else { return None };
     let solver = by.solver;
-    let whole = constants == Constants::Whole && k == 0;
+    let whole = by.start.is_none() && k == 0;
     let [x, y] = now.table;
     let [x_dot, y_dot] = [next.table[0] * factor, next.table[1] * factor];
     // Avoids a signed zero, which residual speeds in other lanes would change.

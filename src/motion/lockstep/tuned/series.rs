@@ -26,7 +26,7 @@ use fearless_simd::prelude::*;
 
 use super::equations::Equations;
 use super::gap_forces::{GapForceEffect, GapForceEquations, OfEach};
-use super::recurrence::{Constants, ProductSums, RECIPROCALS, Solving, products, solve};
+use super::recurrence::{ProductSums, RECIPROCALS, Solving, products, solve};
 use super::terms::{BalancerLaneStates, PowerCoefficients, ResidualForce, Solver};
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Fused, Powers, Vector, vectorized};
@@ -175,42 +175,16 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
             let residual = self.residual.as_ref();
             let gaps = &self.response;
             let by = Solving { solver: &self.solver, start: None, residual, gaps };
-            let constants = Constants::Whole;
-            let forces = solve::<S, N, TOUCHING>(terms, equations, &by, k, sums, constants);
+            let forces = solve::<S, N, TOUCHING>(terms, equations, &by, k, sums);
             if let Some(forces) = forces {
                 self.forces[k] = forces;
             }
         });
     }
 
-    /// Returns the position of the table a time later.
-    #[inline(always)]
-    pub(super) fn table_at(&self, times: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
-        let mut places = [[Lanes::splat(times[0].simd, 0.0); 2]; 3];
-        // All three times in one loop: each sum alone would wait for its previous term.
-        for term in self.terms[..=ORDER + 1].iter().rev() {
-            for (place, time) in places.iter_mut().zip(times) {
-                place[0] = place[0].fused(time, term.table[0]);
-                place[1] = place[1].fused(time, term.table[1]);
-            }
-        }
-        places
-    }
-
-    /// The state a time later.
+    /// Returns the state a time later, from the powers up to an order and those above it.
     #[inline(always)]
     pub(super) fn at(
-        &self,
-        equations: &Equations<S, N>,
-        start: &BalancerLaneStates<S, N>,
-        time: Lanes<S>,
-    ) -> BalancerLaneStates<S, N> {
-        self.at_with(equations, start, time, ORDER, HigherPowers::none(time.simd))
-    }
-
-    /// Returns the state a time later, including higher powers.
-    #[inline(always)]
-    pub(super) fn at_with(
         &self,
         equations: &Equations<S, N>,
         start: &BalancerLaneStates<S, N>,
@@ -252,9 +226,7 @@ impl<S: Vector, const N: usize> BalancerSeries<S, N> {
         }
         end
     }
-}
 
-impl<S: Vector, const N: usize> BalancerSeries<S, N> {
     /// Returns the coefficients of a component of the state in one lane; the series of the angles begin at `start`.
     pub(super) fn component(&self, lane: usize, component: usize, start: f64) -> Powers {
         let mut powers = [0.0; TERMS];
