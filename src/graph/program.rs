@@ -83,18 +83,12 @@ impl Program {
 
     /// Returns the cells that an instruction reads.
     pub(crate) fn reads(&self, instruction: &Instruction) -> impl Iterator<Item = Cell> {
-        let (few, products): ([Option<Cell>; 4], &[Product]) = match *instruction {
-            Instruction::Sum { start, products, .. } => {
-                ([start, None, None, None], self.products(products))
-            }
-            Instruction::Quotient { of, by, .. } => ([Some(of), Some(by), None, None], &[]),
-            Instruction::SquareRoot { of, .. }
-            | Instruction::Size { of, .. }
-            | Instruction::SineCosine { of, .. }
-            | Instruction::Function { of, .. } => ([Some(of), None, None, None], &[]),
-            Instruction::Choice { less: [x, y], then, other, .. } => {
-                ([x, y, then, other].map(Some), &[])
-            }
+        let mut copy = *instruction;
+        let (_, few) = copy.cells();
+        let few = few.map(|cell| cell.copied());
+        let products = match *instruction {
+            Instruction::Sum { products, .. } => self.products(products),
+            _ => &[],
         };
         let factors = products.iter().flat_map(|product| product.factors);
         few.into_iter().flatten().chain(factors)
@@ -184,45 +178,40 @@ impl Program {
 }
 
 impl Instruction {
-    /// Returns the instruction with other cells. Products of sums are those of the program.
-    pub(crate) fn renamed(self, at: impl Fn(Cell) -> Cell) -> Self {
+    /// Returns the cells that the instruction writes, and those that it reads; the factors of sums are in the program.
+    fn cells(&mut self) -> ([Option<&mut Cell>; 2], [Option<&mut Cell>; 4]) {
         match self {
-            Instruction::Sum { out, start, products } => {
-                Instruction::Sum { out: at(out), start: start.map(at), products }
+            Instruction::Sum { out, start, .. } => {
+                ([Some(out), None], [start.as_mut(), None, None, None])
             }
             Instruction::Quotient { out, of, by } => {
-                Instruction::Quotient { out: at(out), of: at(of), by: at(by) }
+                ([Some(out), None], [Some(of), Some(by), None, None])
             }
-            Instruction::SquareRoot { out, of } => {
-                Instruction::SquareRoot { out: at(out), of: at(of) }
+            Instruction::SquareRoot { out, of }
+            | Instruction::Size { out, of }
+            | Instruction::Function { out, of, .. } => {
+                ([Some(out), None], [Some(of), None, None, None])
             }
-            Instruction::Size { out, of } => Instruction::Size { out: at(out), of: at(of) },
-            Instruction::Choice { out, less: [a, b], then, other } => Instruction::Choice {
-                out: at(out),
-                less: [at(a), at(b)],
-                then: at(then),
-                other: at(other),
-            },
+            Instruction::Choice { out, less: [a, b], then, other } => {
+                ([Some(out), None], [Some(a), Some(b), Some(then), Some(other)])
+            }
             Instruction::SineCosine { sine, cosine, of } => {
-                Instruction::SineCosine { sine: at(sine), cosine: at(cosine), of: at(of) }
-            }
-            Instruction::Function { out, function, of } => {
-                Instruction::Function { out: at(out), function, of: at(of) }
+                ([Some(sine), Some(cosine)], [Some(of), None, None, None])
             }
         }
     }
 
+    /// Returns the instruction with other cells. Products of sums are those of the program.
+    pub(crate) fn renamed(mut self, at: impl Fn(Cell) -> Cell) -> Self {
+        let (writes, reads) = self.cells();
+        writes.into_iter().chain(reads).flatten().for_each(|cell| *cell = at(*cell));
+        self
+    }
+
     /// Returns the cells that the instruction writes.
-    pub(crate) fn writes(&self) -> impl Iterator<Item = Cell> {
-        let (first, second) = match *self {
-            Instruction::SineCosine { sine, cosine, .. } => (sine, Some(cosine)),
-            Instruction::Sum { out, .. }
-            | Instruction::Quotient { out, .. }
-            | Instruction::SquareRoot { out, .. }
-            | Instruction::Size { out, .. }
-            | Instruction::Choice { out, .. }
-            | Instruction::Function { out, .. } => (out, None),
-        };
-        std::iter::once(first).chain(second)
+    pub(crate) fn writes(&self) -> impl Iterator<Item = Cell> + use<> {
+        let mut copy = *self;
+        let (writes, _) = copy.cells();
+        writes.map(|cell| cell.copied()).into_iter().flatten()
     }
 }
