@@ -289,7 +289,7 @@ impl<'a> Lockstep<'a> {
         };
         if let (Some(saved), Some(run)) = (saved, run) {
             if let Some(recorder) = self.runs.recorder() {
-                recorder.rewind(saved.time(), saved.effort());
+                recorder.rewind(saved.time, saved.effort());
             }
             self.teams[team_of(&saved, &run)].waiting.push_back(Waiting { saved, run });
         }
@@ -308,5 +308,5 @@ fn team_of(saved: &SavedRun, run: &LaneRun) -> usize {
     if run.stages.present().is_driven {
         return DRIVEN;
     }
-    usize::from(run.is_perturbed(saved.time()))
+    usize::from(run.is_perturbed(saved.time))
 }

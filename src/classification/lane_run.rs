@@ -205,7 +205,7 @@ impl LaneRun {
         let (Some(saved), Some(stage)) = (group.copy(lane), self.stages.upcoming()) else {
             return NextAction::Stay;
         };
-        let (state, lifted) = stage.entered(Some(self.stages.present()), saved.state());
+        let (state, lifted) = stage.entered(Some(self.stages.present()), &saved.state);
         let saved = match saved.enters(&stage.system, &state, lifted) {
             Ok(saved) => saved,
             Err(failure) => return self.end_with(group, lane, Ending::Failure(failure)),

@@ -98,7 +98,7 @@ impl Motion {
         let group = |directions: &[Components]| {
             let mut group = spare_lanes(system).unwrap_or_else(|| SimdLevel::best().lanes(system));
             for lane in 0..directions.len().max(1) {
-                group.put(lane, saved, saved.time());
+                group.put(lane, saved, saved.time);
                 if let Some(direction) = directions.get(lane) {
                     group.perturb(lane, direction);
                 }

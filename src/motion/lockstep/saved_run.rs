@@ -22,8 +22,8 @@ use crate::motion::{
 #[derive(Clone, Debug)]
 pub(crate) struct SavedRun {
     pub(super) lane: Lane,
-    pub(super) time: f64,
-    pub(super) state: Components,
+    pub(crate) time: f64,
+    pub(crate) state: Components,
     pub(super) turns: PerContact,
     pub(super) slow_since: PerContact,
     pub(super) next: f64,
@@ -172,16 +172,6 @@ impl SavedRun {
             taken: self.taken,
             ..started
         })
-    }
-
-    /// Returns the state.
-    pub(crate) fn state(&self) -> &[f64] {
-        &self.state
-    }
-
-    /// Returns the time.
-    pub(crate) fn time(&self) -> f64 {
-        self.time
     }
 
     /// Returns the effort so far.

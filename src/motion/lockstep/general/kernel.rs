@@ -142,10 +142,10 @@ impl<S: Vector> Kernel<S> for GeneralKernel<S> {
 
     fn set_system(&mut self, lane: usize, run: &Lane) {
         let graph = Arc::clone(&self.graph);
-        self.evaluators[lane] = Some(Evaluator::of_graph(Arc::clone(&run.system), graph));
+        let evaluator = Evaluator::of_graph(Arc::clone(&run.system), graph);
+        let inputs = evaluator.inputs(&run.phases);
+        self.evaluators[lane] = Some(evaluator);
         let Compiled { operations, parameters, programs, .. } = &*self.program;
-        let modes: Vec<_> = run.phases.iter().map(|phase| phase.mode()).collect();
-        let inputs = run.system.inputs(&modes);
         let scratch = self.scratch[lane].get_mut();
         scratch.begin(&programs.fixed.program);
         let memory = &mut scratch.memory;

@@ -82,7 +82,7 @@ fn step<S: Vector, K: Kernel<S>>(simd: S, kernel: K, runs: &[SavedRun]) -> Step 
     let mut group = KernelLanes::new(simd, kernel);
     for (lane, run) in runs.iter().enumerate() {
         group.put(lane, run, 100.0);
-        let direction: Vec<f64> = (0..run.state().len()).map(|of| value(of, lane + 50)).collect();
+        let direction: Vec<f64> = (0..run.state.len()).map(|of| value(of, lane + 50)).collect();
         let mut direction = Components::from_vec(direction);
         // Balls that touch move together.
         let balls = group.kernel.contacts();
