@@ -216,7 +216,7 @@ impl Elementary for PerAssumption {
 }
 
 impl Solved for PerAssumption {
-    /// Eliminates as [`super::linear_system::solved`] does; each assumption exchanges the rows with its own small pivots.
+    /// Eliminates as [`super::linear_system::solve_for_each`] does; each assumption exchanges the rows with its own small pivots.
     #[inline(always)]
     fn solve(system: &Solve, at: impl Fn(NodeId) -> Self, unknowns: &mut Unknowns<Self>) {
         let size = system.right.len();

@@ -34,17 +34,13 @@ pub(super) const DEPENDENT_PIVOT: f64 = 1e-9;
 /// The least size of a row of dependent equations.
 pub(super) const LEAST_SCALE: f64 = 1e-200;
 
-/// Returns the solution of a linear system by elimination in the order of its unknowns, as in lanes. Rows with small pivots
-/// are exchanged: threshold pivoting with rows scaled by their largest entries (I. S. Duff, A. M. Erisman, J. K. Reid,
-/// *Direct Methods for Sparse Matrices*, 2nd ed., Oxford 2017, chapter 5, doi:10.1093/acprof:oso/9780198508380.001.0001).
-pub(super) fn solved<T: Elementary>(matrix: Entries<T>, mut right: Unknowns<T>) -> Unknowns<T> {
-    let size = right.len();
-    solve_for_each(matrix, [&mut right].into(), size);
-    right
-}
-
-/// Replaces each right side by the solution that [`solved`] returns for it. The equations determine the first unknowns. A later unknown
-/// whose pivot is negligible is 0, and its row serves the next unknown. Rows that are left at the end are not examined.
+/// Replaces each right side of a linear system by its solution, by elimination in the order of the unknowns, as in lanes. Rows
+/// with small pivots are exchanged: threshold pivoting with rows scaled by their largest entries (I. S. Duff, A. M. Erisman,
+/// J. K. Reid, *Direct Methods for Sparse Matrices*, 2nd ed., Oxford 2017, chapter 5,
+/// doi:10.1093/acprof:oso/9780198508380.001.0001).
+///
+/// The equations determine the first unknowns. A later unknown whose pivot is negligible is 0, and its row serves the next
+/// unknown. Rows that are left at the end are not examined.
 pub(super) fn solve_for_each<T: Elementary>(
     mut matrix: Entries<T>,
     mut rights: SmallVec<[&mut Unknowns<T>; 1]>,

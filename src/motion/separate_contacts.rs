@@ -13,7 +13,7 @@ use smallvec::SmallVec;
 
 use super::evaluator::Forces;
 use super::incremental_forces::TOGETHER;
-use super::linear_system::{Entries, Unknowns, solved};
+use super::linear_system::{Entries, Unknowns, solve_for_each};
 use super::{Direction, IncrementalForces, Phase, Phases};
 
 /// A contact that sets off has its static friction if its friction differs from that by at most this fraction.
@@ -107,7 +107,8 @@ impl SeparateContacts {
                 .iter()
                 .flat_map(|row| moving.iter().map(|column| entry(*row, *column)))
                 .collect();
-            let accelerations: Unknowns<f64> = solved(entries, moving.iter().map(right).collect());
+            let mut accelerations: Unknowns<f64> = moving.iter().map(right).collect();
+            solve_for_each(entries, [&mut accelerations].into(), moving.len());
             let mut next = phases.clone();
             for row in 0..count {
                 let contact = self.contacts[row];
