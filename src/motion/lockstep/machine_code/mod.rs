@@ -146,25 +146,25 @@ fn parts(program: &Program, encoder: &mut Encoder) -> Option<Vec<CodePart>> {
             Instruction::Function { out, function, of } => {
                 parts.push(CodePart::Function { out, function, of });
             }
-            _ => {}
+            _ => {
+                let count = rest.iter().position(is_call).unwrap_or(rest.len());
+                let (part, later) = rest.split_at(count);
+                // A cell that is read after this part is stored.
+                let stored = |cell: u32| {
+                    program.kept[cell as usize] || last_read[cell as usize] <= later.len()
+                };
+                let lowered = lower::lower(program, part, stored, encoder.width);
+                let cells = lowered.values.iter().map(|value| value.cell);
+                let is_size = |line: &Line| matches!(line.operation, MachineOperation::Size(_));
+                let has_sizes = lowered.lines.iter().any(is_size);
+                parts.push(CodePart::Code(encoder.begin(cells, has_sizes)?));
+                registers::assign(lowered, encoder, program.cells)?;
+                encoder.end()?;
+                rest = later;
+                continue;
+            }
         }
-        if is_call(first) {
-            rest = &rest[1..];
-            continue;
-        }
-        let count = rest.iter().position(is_call).unwrap_or(rest.len());
-        let (part, later) = rest.split_at(count);
-        // A cell that is read after this part is stored.
-        let stored =
-            |cell: u32| program.kept[cell as usize] || last_read[cell as usize] <= later.len();
-        let lowered = lower::lower(program, part, stored, encoder.width);
-        let cells = lowered.values.iter().map(|value| value.cell);
-        let is_size = |line: &Line| matches!(line.operation, MachineOperation::Size(_));
-        let has_sizes = lowered.lines.iter().any(is_size);
-        parts.push(CodePart::Code(encoder.begin(cells, has_sizes)?));
-        registers::assign(lowered, encoder, program.cells)?;
-        encoder.end()?;
-        rest = later;
+        rest = &rest[1..];
     }
     Some(parts)
 }
