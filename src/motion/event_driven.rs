@@ -22,8 +22,7 @@
 
 use super::Failure;
 use super::evaluator::Forces;
-use super::force_model::ForceModel;
-use super::joint_decision::{Open, resolve_modes, sets_off, stick_reserve};
+use super::joint_decision::{ForceModel, Open, resolve_modes, sets_off, stick_reserve};
 use super::{Direction, Phase, Phases};
 
 /// Rounding tolerance of a condition, over the size of the forces.

@@ -1,16 +1,17 @@
 //! How the system moves: integration of smooth phases, stick and slip, switches between them.
 //!
 //! Read first `phase`, `settings` and `failure`, then `evaluator`, which computes rates and forces from the recorded
-//! equations with `linear_system`. The next files decide between stick and slip. `force_model` defines what a decision
-//! asks of a system, and `joint_decision` finds the phases that meet all conditions. `event_driven` and `switch_model`
-//! are the two methods, `stick_slip` chooses between them, and `condition` names the conditions of a phase.
+//! equations with `linear_system`. The next files decide between stick and slip. `joint_decision` defines what a decision
+//! asks of a system, and finds the phases that meet all conditions. `event_driven` and `switch_model` are the two methods,
+//! `stick_slip` chooses between them, and `condition` names the conditions of a phase.
 //!
 //! Then read about bodies that touch: `cluster`, the impulses of an impact (`impulse_response`, `impulses`, `impact`), and
-//! `touching_system` with `residual_speeds`. `touching_decision` decides their phases with `incremental_forces` and
-//! `separate_contacts`. `saltation` carries a perturbation over a switch.
+//! `touching_system`. `touching_decision` decides their phases with `incremental_forces` and `separate_contacts`.
+//! `saltation` carries a perturbation over a switch.
 //!
-//! `reduced_equations` has the independent equations of contacts that keep their phases, `root` finds roots, and `cancellation` stops a motion from outside. `lockstep` integrates the motions of eight runs side
-//! by side. Read `single` last: it computes one motion alone, in one lane of `lockstep`.
+//! `reduced_equations` has the independent equations of contacts that keep their phases, `root` finds roots, and
+//! `cancellation` stops a motion from outside. `lockstep` integrates the motions of eight runs side by side. Read `single`
+//! last: it computes one motion alone, in one lane of `lockstep`.
 
 mod cancellation;
 mod cluster;
@@ -18,7 +19,6 @@ mod condition;
 mod evaluator;
 mod event_driven;
 mod failure;
-mod force_model;
 mod impact;
 mod impulse_response;
 mod impulses;
@@ -28,7 +28,6 @@ mod linear_system;
 pub(crate) mod lockstep;
 mod phase;
 mod reduced_equations;
-mod residual_speeds;
 mod root;
 mod saltation;
 mod separate_contacts;
@@ -51,11 +50,11 @@ pub use lockstep::SimdLevel;
 pub(crate) use phase::any_closed;
 pub use phase::{Direction, PerContact, Phase, Phases, all_stick};
 pub(crate) use reduced_equations::ReducedEquations;
-pub(crate) use residual_speeds::{STILL, lies};
 pub use root::fall_through_zero;
 pub use settings::{Effort, SLOW, Settings, Touches, most_steps_by};
 pub use single::{Instant, Motion};
 pub use stick_slip::decide;
 pub use switch_model::SLACK;
+pub(crate) use touching_system::{STILL, lies};
 
 pub use crate::model::Tolerance;

@@ -29,7 +29,7 @@
 use smallvec::smallvec;
 
 use super::condition::Condition;
-use super::force_model::ForceModel;
+use super::joint_decision::ForceModel;
 use super::touching_system::TouchingSystem;
 use super::{Evaluator, Phase, Phases, Settings};
 use crate::model::{Components, Dual};

@@ -1,8 +1,7 @@
 //! The decision between stick and slip by the method of the settings, at the start of a motion and at an instant.
 
 use super::evaluator::Forces;
-use super::force_model::{ForceModel, RecordedForces};
-use super::joint_decision::{Open, check_forces};
+use super::joint_decision::{ForceModel, Open, RecordedForces, check_forces};
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Friction, Method, System};
 

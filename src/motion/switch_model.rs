@@ -10,8 +10,7 @@
 
 use super::Failure;
 use super::evaluator::Forces;
-use super::force_model::ForceModel;
-use super::joint_decision::{resolve_modes, sets_off, stick_reserve};
+use super::joint_decision::{ForceModel, resolve_modes, sets_off, stick_reserve};
 use super::{Direction, Phase, Phases, Settings};
 use crate::model::System;
 

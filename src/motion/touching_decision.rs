@@ -17,9 +17,8 @@ use smallvec::SmallVec;
 
 use super::cluster::{HeldCluster, held_clusters};
 use super::evaluator::{ContactForces, Forces, GapForces};
-use super::force_model::RecordedForces;
 use super::incremental_forces::TOGETHER;
-use super::joint_decision::{AGREE, check_forces, is_finite, only_motion};
+use super::joint_decision::{AGREE, RecordedForces, check_forces, is_finite, only_motion};
 use super::lockstep::width;
 use super::phase::any_closed;
 use super::separate_contacts::SeparateContacts;

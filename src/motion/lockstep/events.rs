@@ -12,10 +12,9 @@ use crate::model::{Components, Method};
 use crate::motion::condition::Condition;
 use crate::motion::impact::Impact;
 use crate::motion::lockstep::vector::Vector;
-use crate::motion::residual_speeds::VANISHES;
 use crate::motion::saltation::{saltation, saltation_at_impact, saltation_at_reset};
 use crate::motion::stick_slip::{decide_at_rest, end_slip, start_phases};
-use crate::motion::touching_system::TouchingSystem;
+use crate::motion::touching_system::{TouchingSystem, VANISHES};
 use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed};
 
 /// An event that ends a step.

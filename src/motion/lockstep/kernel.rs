@@ -11,7 +11,7 @@ use super::vector::Powers;
 use crate::model::{Components, System};
 use crate::motion::Evaluator;
 use crate::motion::condition::Condition;
-use crate::motion::force_model::ForceModel;
+use crate::motion::joint_decision::ForceModel;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 
 /// Bound on every component of the rate of change if everything is slow.

@@ -10,7 +10,7 @@ use super::root_isolation::width;
 use super::tuned;
 use crate::model::{Components, Method, System};
 use crate::motion::condition::Margins;
-use crate::motion::force_model::RecordedForces;
+use crate::motion::joint_decision::RecordedForces;
 use crate::motion::stick_slip::start_phases;
 use crate::motion::touching_system::TouchingSystem;
 use crate::motion::{

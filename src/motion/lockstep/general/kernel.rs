@@ -17,7 +17,7 @@ use crate::model::{Components, Graph, System};
 use crate::motion::all_stick;
 use crate::motion::condition::Condition;
 use crate::motion::evaluator::Evaluator;
-use crate::motion::force_model::ForceModel;
+use crate::motion::joint_decision::ForceModel;
 use crate::motion::lockstep::gap_conditions::Pressure;
 use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
 use crate::motion::lockstep::lane::Lane;

@@ -8,7 +8,7 @@ use super::operations::Operations;
 use crate::graph::Program;
 use crate::model::{Components, Dual, System};
 use crate::motion::evaluator::{ContactForces, Evaluator, Forces};
-use crate::motion::force_model::{AHEAD, ForceModel, RecordedForces};
+use crate::motion::joint_decision::{AHEAD, ForceModel, RecordedForces};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::{Phase, Phases};

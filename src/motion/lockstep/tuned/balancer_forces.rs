@@ -9,7 +9,7 @@ use super::equations::{contact, contact_along, while_apart};
 use crate::model::{Balancer, Components, Contact, Dual, State, System};
 use crate::motion::Phase;
 use crate::motion::evaluator::{ContactForces, Forces};
-use crate::motion::force_model::{AHEAD, ForceModel};
+use crate::motion::joint_decision::{AHEAD, ForceModel};
 use crate::motion::lockstep::trigonometry::sin_cos;
 use crate::motion::lockstep::vector::{Vector, vectorized};
 use crate::motion::lockstep::{LANES, Lanes};

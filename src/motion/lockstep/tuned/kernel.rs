@@ -15,7 +15,7 @@ use super::terms::BalancerLaneStates;
 use super::{event_location, perturbation};
 use crate::model::{Balancer, Components, State, System};
 use crate::motion::condition::Condition;
-use crate::motion::force_model::{ForceModel, RecordedForces};
+use crate::motion::joint_decision::{ForceModel, RecordedForces};
 use crate::motion::lockstep::kernel::{Kernel, STILL, StepEnd};
 use crate::motion::lockstep::lane::Lane;
 use crate::motion::lockstep::step_length::{longest_step, reciprocal};
