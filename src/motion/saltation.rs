@@ -31,7 +31,7 @@ use smallvec::smallvec;
 use super::condition::Condition;
 use super::joint_decision::ForceModel;
 use super::touching_system::TouchingSystem;
-use super::{Evaluator, Phase, Phases, Settings};
+use super::{Evaluator, Phase, Phases};
 use crate::model::{Components, Dual};
 
 /// A condition whose rate is below this fraction of the largest possible rate is grazed: there the
@@ -85,13 +85,12 @@ pub(super) fn saltation(
 
 /// Propagates a perturbation over an impact that a gap or a landing contact begins, like [`saltation_at_reset`].
 pub(super) fn saltation_at_impact(
-    evaluator: &Evaluator,
-    settings: Settings,
+    in_touch: &TouchingSystem,
     sides: [(&[Phase], &[f64]); 2],
     begins: Condition,
     direction: &mut [f64],
 ) -> bool {
-    let Some(in_touch) = TouchingSystem::new(evaluator, settings) else { return true };
+    let evaluator = in_touch.evaluator;
     let (phases, state) = sides[0];
     let guard = |direction: &[f64]| match begins {
         Condition::Gap(gap) => {

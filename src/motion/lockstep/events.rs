@@ -1,5 +1,6 @@
 //! The event that ends a step of one lane, and the phases after it.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use smallvec::SmallVec;
@@ -97,12 +98,8 @@ fn decide<S: Vector, K: Kernel<S>>(
             return Ok(None);
         }
         Condition::Gap(_) | Condition::Landing(_) => {
-            return with_evaluator(kernel, (lane, run), |evaluator| {
-                let Some(in_touch) = TouchingSystem::new(evaluator, run.settings) else {
-                    return Ok(None);
-                };
-                Ok(Some(Box::new(in_touch.meet(state, phases)?)))
-            });
+            let meet = |in_touch: &TouchingSystem| in_touch.meet(state, phases).map(Box::new);
+            return with_touching(kernel, (lane, run), meet).transpose();
         }
         Condition::Pressed(_) | Condition::Held(_) => (usize::MAX, 0),
     };
@@ -111,14 +108,12 @@ fn decide<S: Vector, K: Kernel<S>>(
     }
     let position = |contact: usize| state[kernel.coordinates(contact).0];
     if run.has_openings || any_closed(phases) || gap_conditions::any_touch(run, position) {
-        return with_evaluator(kernel, (lane, run), |evaluator| {
-            if let Some(in_touch) = TouchingSystem::new(evaluator, run.settings) {
-                let failed = (contact < kernel.contacts()).then_some(contact);
-                let at_once = failed.and_then(stops_at_once);
-                in_touch.switch(state, phases, failed, at_once)?;
-            }
-            Ok(None)
+        let failed = (contact < kernel.contacts()).then_some(contact);
+        let at_once = failed.and_then(stops_at_once);
+        let switched = with_touching(kernel, (lane, run), |in_touch| {
+            in_touch.switch(state, phases, failed, at_once)
         });
+        return switched.transpose().map(|_| None);
     }
     let speed = |contact: usize| match kernel.coordinates(contact) {
         (_, Some(component)) => state[component],
@@ -168,16 +163,15 @@ fn hold<S: Vector, K: Kernel<S>>(
     }
 }
 
-/// Calls `with` with the equations of the system in a lane.
-fn with_evaluator<S: Vector, K: Kernel<S>, R>(
+/// Calls `with` with the system in a lane, if its contacts may touch each other or open.
+fn with_touching<S: Vector, K: Kernel<S>, R>(
     kernel: &K,
     (lane, run): (usize, &Lane),
-    with: impl FnOnce(&Evaluator) -> R,
-) -> R {
-    match kernel.evaluator(lane) {
-        Some(evaluator) => with(evaluator),
-        None => with(&Evaluator::new(Arc::clone(&run.system))),
-    }
+    with: impl FnOnce(&TouchingSystem) -> R,
+) -> Option<R> {
+    let recorded = || Cow::Owned(Evaluator::new(Arc::clone(&run.system)));
+    let evaluator = kernel.evaluator(lane).map_or_else(recorded, Cow::Borrowed);
+    TouchingSystem::new(&evaluator, run.settings).map(|in_touch| with(&in_touch))
 }
 
 /// Decides the phases after an event.
@@ -217,12 +211,12 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
                 saltation_at_reset(evaluator, sides, guard, reset, &mut direction)
             }
             (failed @ (Condition::Gap(_) | Condition::Landing(_)), _) => {
-                with_evaluator(kernel, (lane, run), |evaluator| {
-                    let before = kernel.lane(&g.state, lane);
-                    let sides: [(&[Phase], &[f64]); 2] =
-                        [(&run.phases, &before), (&phases, &state)];
-                    saltation_at_impact(evaluator, run.settings, sides, failed, &mut direction)
-                })
+                let before = kernel.lane(&g.state, lane);
+                let sides: [(&[Phase], &[f64]); 2] = [(&run.phases, &before), (&phases, &state)];
+                let grazes = with_touching(kernel, (lane, run), |in_touch| {
+                    saltation_at_impact(in_touch, sides, failed, &mut direction)
+                });
+                grazes.unwrap_or(true)
             }
             // Accelerations do not jump where friction no longer holds contacts, or where a gap opens.
             (Condition::Event(_) | Condition::Pressed(_) | Condition::Held(_), _) => false,
