@@ -4,7 +4,6 @@
 //! W1 (`w1.yaml`) and W2 (`w2.yaml`) are those of `scripts/compare`; beside them 256 runs at -160.8103
 //! rad/s with the default tolerance; all of these runs come to rest.
 
-use std::convert::Infallible;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
@@ -19,7 +18,7 @@ use stickslip::engine::{EngineOptions, Progress, Sink, run_study};
 use stickslip::model::{Balancer, Case, Machine, State};
 use stickslip::motion::{Direction, Evaluator, Phase, SimdLevel};
 use stickslip::study::Study;
-use stickslip::table::{PointRow, RunRecord};
+use stickslip::table::{PointRow, RunRecord, WriteError};
 
 fn study(text: &str) -> Study {
     let text = format!("schema: 1\nname: motion\nseed: 1\n{text}");
@@ -114,14 +113,12 @@ fn runs(criterion: &mut Criterion) {
 struct Nowhere;
 
 impl Sink for Nowhere {
-    type Error = Infallible;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), Self::Error> {
+    fn run(&mut self, record: RunRecord) -> Result<(), WriteError> {
         black_box(record);
         Ok(())
     }
 
-    fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), Self::Error> {
+    fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), WriteError> {
         black_box((row, detail));
         Ok(())
     }

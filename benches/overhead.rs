@@ -12,7 +12,9 @@ use stickslip::classification::{Evidence, Outcome, simulate};
 use stickslip::engine::{EngineOptions, Progress, Sink, compute, run_study_with};
 use stickslip::model::{Case, Machine};
 use stickslip::study::Study;
-use stickslip::table::{PointRow, ResponseSamples, RunRecord, TableWriter, run_columns};
+use stickslip::table::{
+    PointRow, ResponseSamples, RunRecord, TableWriter, WriteError, run_columns,
+};
 
 /// Returns a study of the thesis's machine, with this design and further lines.
 fn study(design: &str, more: &str) -> Study {
@@ -86,13 +88,11 @@ fn planning(criterion: &mut Criterion) {
 struct Nowhere;
 
 impl Sink for Nowhere {
-    type Error = std::convert::Infallible;
-
-    fn run(&mut self, _: RunRecord) -> Result<(), Self::Error> {
+    fn run(&mut self, _: RunRecord) -> Result<(), WriteError> {
         Ok(())
     }
 
-    fn point(&mut self, _: PointRow, _: PointDetail) -> Result<(), Self::Error> {
+    fn point(&mut self, _: PointRow, _: PointDetail) -> Result<(), WriteError> {
         Ok(())
     }
 }

@@ -9,9 +9,9 @@ use pyo3::exceptions::{
 };
 use pyo3::prelude::*;
 use stickslip::CommandError;
-use stickslip::engine::{EngineError, StoreError};
+use stickslip::engine::StoreError;
 use stickslip::study;
-use stickslip::table::{ResultsError, TableError};
+use stickslip::table::{ResultsError, TableError, WriteError};
 
 use crate::values::kind;
 
@@ -163,19 +163,10 @@ impl From<CommandError> for Trouble {
     }
 }
 
-impl From<arrow_schema::ArrowError> for Trouble {
-    fn from(error: arrow_schema::ArrowError) -> Self {
-        Trouble::Defect(format!("a defect of stickslip: {error}"))
-    }
-}
-
-impl<E: Into<Trouble>> From<EngineError<E>> for Trouble {
-    fn from(error: EngineError<E>) -> Self {
-        match error {
-            EngineError::Threads(error) => no_threads(error),
-            EngineError::Sink(error) => error.into(),
-            EngineError::Store(error) => error.into(),
-        }
+/// A table in memory cannot be written if values do not fit their columns.
+impl From<WriteError> for Trouble {
+    fn from(error: WriteError) -> Self {
+        Trouble::Defect(format!("a defect of stickslip: {}", error.cause))
     }
 }
 

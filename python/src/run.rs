@@ -1,19 +1,17 @@
 //! How a study is run: in memory, or into a directory, like the command line.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use arrow_schema::ArrowError;
-use stickslip::analysis::{FailureCounts, PointDetail};
+use stickslip::analysis::PointDetail;
 use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{
     EngineOptions, OutputDir, Parts, Planned, PreparedDirectory, Progress, ProgressDisplay,
     ReadableResults, Sink, run_study,
 };
 use stickslip::study::Study;
-use stickslip::table::{Circumstances, Manifest, MemoryRows, PointRow, RunRecord, StudyTables};
+use stickslip::table::{Manifest, MemoryRows, PointRow, RunRecord, StudyTables, WriteError};
 
 use crate::error::Trouble;
 use crate::results::Results;
@@ -37,19 +35,17 @@ impl Run {
     /// Returns an error if the threads cannot be started.
     pub fn in_memory(self, study: &Arc<Study>, stop: &AtomicBool) -> Result<Results, Trouble> {
         let mut tables = StudyTables::in_memory(study);
-        let shard = self.options().shard;
-        let begun = Circumstances::begin(shard.to_string(), shard.most_runs(study));
+        let begun = Manifest::begin(study, self.options().shard);
         let mut summary = PointsTable::new(study, MOST_LINES);
         summary.is_saved = false;
         let progress = Progress::begin(self.planned(study), self.show.clone());
-        let mut failures = FailureCounts::default();
-        let mut sink = InMemory(&mut tables, &mut summary, &mut failures);
+        let mut sink = InMemory(&mut tables, &mut summary);
         let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
         progress.close();
         let totals = ended?;
         let tables = tables.finish()?;
-        let begun = Circumstances { complete: true, threads: self.threads, ..begun };
-        let manifest = Manifest::new(study, begun, totals.counts, &failures, BTreeMap::new());
+        let counted = begun.with_runs(totals.counts, &totals.failures);
+        let manifest = Manifest { complete: true, threads: self.threads, ..counted };
         let study = (Arc::clone(study), self.file);
         Ok(Results::in_memory(study, manifest, tables, summary.markdown()))
     }
@@ -76,20 +72,14 @@ impl Run {
         let manifest = match output_dir.prepare(study)? {
             PreparedDirectory::Complete(manifest) => *manifest,
             PreparedDirectory::Open(mut store, mut results) => {
-                let begun =
-                    Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
+                let begun = Manifest::begin(study, options.shard);
                 let progress = Progress::begin(self.planned(study), self.show.clone());
-                let ended =
-                    run_study(study, options, stop, &progress, Some(&mut *store), &mut *results);
-                let wall_s = progress.close().as_secs_f64();
+                let tables = &mut results.tables;
+                let ended = run_study(study, options, stop, &progress, Some(&mut *store), tables);
+                let wall = progress.close();
                 let totals = ended?;
                 store.check()?;
-                let (runs_kept, threads) = (totals.reused, options.threads);
-                let complete = !totals.interrupted();
-                results.finish(
-                    study,
-                    Circumstances { runs_kept, complete, wall_s, threads, ..begun },
-                )?
+                results.finish(totals.manifest(begun, wall, options.threads))?
             }
         };
         let readable = ReadableResults::finished(study.clone(), manifest, &directory);
@@ -110,22 +100,15 @@ impl Run {
     }
 }
 
-/// Collects runs and points in memory, the points as people read them, and the kinds of failures.
-struct InMemory<'a, 's>(
-    &'a mut StudyTables<MemoryRows>,
-    &'a mut PointsTable<'s>,
-    &'a mut FailureCounts,
-);
+/// Collects runs and points in memory, the points also as people read them.
+struct InMemory<'a, 's>(&'a mut StudyTables<MemoryRows>, &'a mut PointsTable<'s>);
 
 impl Sink for InMemory<'_, '_> {
-    type Error = ArrowError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ArrowError> {
-        self.2.add(&record.outcome.evidence);
+    fn run(&mut self, record: RunRecord) -> Result<(), WriteError> {
         self.0.run(record)
     }
 
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ArrowError> {
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), WriteError> {
         self.1.push(&point);
         self.0.point(point, detail)
     }

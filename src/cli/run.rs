@@ -14,7 +14,7 @@ use super::run_on_engine::run_on_engine;
 use crate::engine::{EngineOptions, OutputDir, PreparedDirectory, Shard, say};
 use crate::numbers::counted;
 use crate::study::Study;
-use crate::table::{Circumstances, Manifest, Table};
+use crate::table::{Manifest, Table};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -89,11 +89,9 @@ pub fn carry_out(
         }
         PreparedDirectory::Open(store, results) => (store, results),
     };
-    let ran = run_on_engine(study, options, arguments, Some(&mut *store), &mut *results)?;
+    let ran = run_on_engine(study, options, arguments, Some(&mut *store), &mut results.tables)?;
     store.check()?;
-    let circumstances =
-        Circumstances { merging: output_dir.merging(), ..ran.circumstances.clone() };
-    results.finish(study, circumstances)?;
+    results.finish(Manifest { merging: output_dir.merging(), ..ran.manifest.clone() })?;
     ran.report(study, arguments, Some(output_dir.directory), None)?;
     Ok(ran.end())
 }

@@ -9,7 +9,7 @@ use super::exit::{CliError, End};
 use super::failures::failure_line;
 use super::output::print_result;
 use super::points_table::{MOST_LINES, PointsTable};
-use crate::analysis::{FailureCounts, PointDetail};
+use crate::analysis::PointDetail;
 use crate::classification::Label;
 use crate::engine::{
     EngineOptions, Parts, Planned, Progress, RunTotals, Sink, StopReason, Store, run_study, say,
@@ -19,15 +19,14 @@ use crate::numbers::counted;
 use crate::report::PointFacts;
 use crate::responses::add_known;
 use crate::study::Study;
-use crate::table::{Circumstances, PointRow, ResultsError, RunRecord};
+use crate::table::{Manifest, PointRow, RunRecord, WriteError};
 
 /// A study that has been computed.
 pub struct ComputedStudy<'a> {
     /// The counts of runs, and why the computation stopped.
     pub totals: RunTotals,
-    /// The facts for the manifest.
-    pub circumstances: Circumstances,
-    failures: FailureCounts,
+    /// The manifest of its tables, without their files.
+    pub manifest: Manifest,
     table: PointsTable<'a>,
 }
 
@@ -56,10 +55,10 @@ impl ComputedStudy<'_> {
                 "runs_kept": self.totals.reused,
                 "interrupted": self.totals.interrupted(),
                 "already_complete": false,
-                "failures": self.failures.by_name(),
-                "wall_s": self.circumstances.wall_s,
+                "failures": self.manifest.failures,
+                "wall_s": self.manifest.wall_s,
             });
-            let counts = [self.circumstances.runs_planned, runs];
+            let counts = [self.manifest.runs_planned, runs];
             let mut report = self.table.result_json(directory, counts, facts);
             add_known(&mut report, "expectations", expectations);
             report
@@ -70,8 +69,7 @@ impl ComputedStudy<'_> {
         if !arguments.quiet {
             say(&self.speed_line());
             let failed = self.totals.counts.of(Label::Failed);
-            let failures = self.failures.by_name();
-            failure_line(&failures, failed, runs).iter().for_each(|line| say(line));
+            failure_line(&self.manifest.failures, failed, runs).iter().for_each(|line| say(line));
             self.table.precision_line().iter().for_each(|line| say(line));
             if let Some(directory) = directory {
                 say(&format!("tables in {}", directory.display()));
@@ -82,7 +80,7 @@ impl ComputedStudy<'_> {
     }
 
     fn speed_line(&self) -> String {
-        let Circumstances { wall_s, threads, .. } = self.circumstances;
+        let Manifest { wall_s, threads, .. } = self.manifest;
         let (runs, reused) = (self.totals.counts.total(), self.totals.reused);
         let computed = runs.saturating_sub(reused);
         let rate = match computed {
@@ -110,7 +108,7 @@ impl ComputedStudy<'_> {
             }
         };
         let runs = self.totals.counts.total();
-        let planned = self.circumstances.runs_planned;
+        let planned = self.manifest.runs_planned;
         let bound = if study.precision().is_some() { "at most " } else { "" };
         let abandoned = match self.totals.abandoned {
             0 => String::new(),
@@ -127,20 +125,16 @@ impl ComputedStudy<'_> {
 struct Collector<'a, 's, S> {
     study: &'s Study,
     sink: &'a mut S,
-    failures: FailureCounts,
     table: PointsTable<'s>,
     progress: &'a Progress,
 }
 
 impl<S: Sink> Sink for Collector<'_, '_, S> {
-    type Error = S::Error;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), S::Error> {
-        self.failures.add(&record.outcome.evidence);
+    fn run(&mut self, record: RunRecord) -> Result<(), WriteError> {
         self.sink.run(record)
     }
 
-    fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), S::Error> {
+    fn point(&mut self, row: PointRow, detail: PointDetail) -> Result<(), WriteError> {
         let point = PointFacts::of(self.study, &row);
         let table = &self.table;
         self.progress.point(|| table.sentence(&point), || table.point_json(&row));
@@ -155,9 +149,9 @@ pub fn run_on_engine<'a>(
     options: EngineOptions,
     arguments: &EngineArguments,
     store: Option<&mut Store>,
-    sink: &mut impl Sink<Error = ResultsError>,
+    sink: &mut impl Sink,
 ) -> Result<ComputedStudy<'a>, CliError> {
-    let begun = Circumstances::begin(options.shard.to_string(), options.shard.most_runs(study));
+    let begun = Manifest::begin(study, options.shard);
     let stop = stop_on_signals();
     let planned = Planned {
         study: study.name(),
@@ -168,22 +162,11 @@ pub fn run_on_engine<'a>(
     let progress = Progress::begin(planned, arguments.show());
     let most = if arguments.json { usize::MAX } else { MOST_LINES };
     let table = PointsTable::new(study, most);
-    let failures = FailureCounts::default();
-    let mut collector = Collector { study, sink, failures, table, progress: &progress };
+    let mut collector = Collector { study, sink, table, progress: &progress };
     let ended = run_study(study, options, &stop, &progress, store, &mut collector);
     let wall = progress.close();
     let totals = ended?;
     progress.ended(totals.interrupted());
-    Ok(ComputedStudy {
-        circumstances: Circumstances {
-            runs_kept: totals.reused,
-            wall_s: wall.as_secs_f64(),
-            threads: options.threads,
-            complete: !totals.interrupted(),
-            ..begun
-        },
-        totals,
-        failures: collector.failures,
-        table: collector.table,
-    })
+    let manifest = totals.manifest(begun, wall, options.threads);
+    Ok(ComputedStudy { totals, manifest, table: collector.table })
 }

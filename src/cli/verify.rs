@@ -16,7 +16,7 @@ use crate::engine::{OutputDir, PreparedDirectory, Shard, Sink, say};
 use crate::numbers::counted;
 use crate::responses::merged;
 use crate::study::Study;
-use crate::table::{PointRow, Results, ResultsError, RunRecord};
+use crate::table::{PointRow, RunRecord, StudyTables, TableFiles, WriteError};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -63,15 +63,15 @@ pub fn verify(arguments: &Arguments) -> Result<End, CliError> {
         };
         ready = Some((store, results));
     }
-    let both = ready.as_mut().map(|(store, results)| (&mut **store, &mut **results));
-    let (store, results) = both.unzip();
+    let both = ready.as_mut().map(|(store, results)| (&mut **store, &mut results.tables));
+    let (store, tables) = both.unzip();
     let (lines, json) = (String::new(), Vec::new());
-    let mut findings = Findings { study: &study, results, lines, json, not_met: 0 };
+    let mut findings = Findings { study: &study, tables, lines, json, not_met: 0 };
     let ran = run_on_engine(&study, options, &arguments.engine, store, &mut findings)?;
     let Findings { lines, json, not_met, .. } = findings;
     if let Some((store, results)) = ready {
         store.check()?;
-        results.finish(&study, ran.circumstances.clone())?;
+        results.finish(ran.manifest.clone())?;
     }
     let expectations = (!ran.totals.interrupted()).then(|| Value::from(json));
     ran.report(&study, &arguments.engine, arguments.out.as_deref(), expectations)?;
@@ -93,20 +93,18 @@ pub fn verify(arguments: &Arguments) -> Result<End, CliError> {
 /// Checks each point, and passes runs and points to the tables, if any.
 struct Findings<'a> {
     study: &'a Study,
-    results: Option<&'a mut Results>,
+    tables: Option<&'a mut StudyTables<TableFiles>>,
     lines: String,
     json: Vec<Value>,
     not_met: u64,
 }
 
 impl Sink for Findings<'_> {
-    type Error = ResultsError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
-        self.results.as_mut().map_or(Ok(()), |results| results.run(record))
+    fn run(&mut self, record: RunRecord) -> Result<(), WriteError> {
+        self.tables.as_mut().map_or(Ok(()), |tables| tables.run(record))
     }
 
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), WriteError> {
         for expectation in self.study.expectations() {
             if !expectation.selects(self.study.swept(), &point.swept) {
                 continue;
@@ -124,7 +122,7 @@ impl Sink for Findings<'_> {
                 self.add(&point, "audit flip rate", rate, range, json!({"audit_flip_rate": rate}));
             }
         }
-        self.results.as_mut().map_or(Ok(()), |results| results.point(point, detail))
+        self.tables.as_mut().map_or(Ok(()), |tables| tables.point(point, detail))
     }
 }
 

@@ -5,7 +5,7 @@ use std::io;
 
 use thiserror::Error;
 
-use super::{EngineError, StoreError};
+use super::StoreError;
 use crate::study::StudyError;
 use crate::table::{ResultsError, TableError, WriteError};
 
@@ -32,20 +32,10 @@ pub enum CommandError {
     Write(#[from] WriteError),
     /// The worker threads cannot be started.
     #[error("cannot start the worker threads: {0}")]
-    Threads(rayon::ThreadPoolBuildError),
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// Standard output cannot be written to.
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
-}
-
-impl From<EngineError<ResultsError>> for CommandError {
-    fn from(error: EngineError<ResultsError>) -> Self {
-        match error {
-            EngineError::Threads(error) => CommandError::Threads(error),
-            EngineError::Sink(error) => CommandError::Results(error),
-            EngineError::Store(error) => CommandError::Store(error),
-        }
-    }
 }
 
 impl CommandError {

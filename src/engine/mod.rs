@@ -42,11 +42,9 @@ pub use options::EngineOptions;
 pub use output_dir::{OutputDir, PreparedDirectory};
 pub use progress::{Planned, Progress, ProgressDisplay};
 pub use progress_counts::Parts;
-pub use readable_results::{
-    ReadableResults, finished_run, how_to_continue, read_finished, readable_results,
-};
+pub use readable_results::{ReadableResults, finished_run, how_to_continue, readable_results};
 pub use results_study::{begun_study, results_study};
-pub use run_study::{EngineError, RunTotals, run_study, run_study_with};
+pub use run_study::{RunTotals, run_study, run_study_with};
 pub use stop::StopReason;
 pub use store::{CHUNKS, Chunk, ChunkFault, ListedChunk, Lock, Store, StoreError, listed_runs};
 pub use watch::{SeenProgress, Watch};

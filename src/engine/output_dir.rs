@@ -8,8 +8,8 @@ use super::{CHUNKS, EngineOptions, Shard, Store, say};
 use crate::classification::MODEL_VERSION;
 use crate::study::{Study, changed_keys};
 use crate::table::{
-    Circumstances, EARLIER, Manifest, OutputState, Results, ResultsError, close_earlier, inspect,
-    manifest_of, put_aside,
+    EARLIER, Manifest, OutputState, Results, ResultsError, close_earlier, inspect, manifest_of,
+    put_aside,
 };
 
 /// The number of differences that an error message lists.
@@ -122,8 +122,7 @@ impl<'a> OutputDir<'a> {
         let announced =
             matches!(&found, OutputState::Incomplete(before) if before.merging == merging);
         if !announced {
-            let begun = Circumstances::begin(shard, self.shard.most_runs(study));
-            results.announce(study, Circumstances { merging, ..begun })?;
+            results.announce(&Manifest { merging, ..Manifest::begin(study, self.shard) })?;
         }
         Ok(PreparedDirectory::Open(Box::new(store), Box::new(results)))
     }

@@ -11,26 +11,22 @@ use tempfile::TempDir;
 use super::command_error::CommandError;
 use super::results_study::results_study;
 use super::{
-    EngineError, EngineOptions, Parts, Planned, Progress, ProgressDisplay, RunTotals, Shard, Sink,
-    Store, StoreError, listed_runs, run_study,
+    EngineOptions, Parts, Planned, Progress, ProgressDisplay, RunTotals, Shard, Sink, Store,
+    StoreError, listed_runs, run_study,
 };
 use crate::sanitize::shell_word;
 use crate::study::Study;
-use crate::table::{Circumstances, Manifest, Results, ResultsError, RunRecord};
+use crate::table::{Manifest, Results, ResultsError, RunRecord};
 
 /// Passes the finished runs of a study's shard and their points to `sink`. Computes no run, takes no lock, and changes
 /// nothing in the directory. Chunks that another process finishes in the meantime are not read.
-///
-/// # Errors
-/// Returns an error if the list of chunks cannot be read, if the worker threads cannot be started, or if the sink returns
-/// one.
-pub fn read_finished<S: Sink>(
+fn read_finished(
     study: &Study,
     shard: Shard,
     directory: &Path,
-    sink: &mut S,
-) -> Result<RunTotals, EngineError<S::Error>> {
-    let mut store = Store::open_shared(directory, study).map_err(EngineError::Store)?;
+    sink: &mut impl Sink,
+) -> Result<RunTotals, CommandError> {
+    let mut store = Store::open_shared(directory, study)?;
     // After the deadline no run begins, but stored runs are still read.
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let deadline = Some(Instant::now());
@@ -106,18 +102,17 @@ pub fn readable_results(directory: &Path) -> Result<ReadableResults, CommandErro
         CommandError::Usage(format!("{}: `shard` of manifest.json: {error}", directory.display()))
     })?;
     let mut results = Results::create(&tables, study)?;
-    read_finished(study, shard, directory, &mut results)?;
-    let circumstances = Circumstances {
-        shard: manifest.shard.clone(),
+    let totals = read_finished(study, shard, directory, &mut results.tables)?;
+    let read = Manifest::begin(study, shard).with_runs(totals.counts, &totals.failures);
+    let written = results.finish(Manifest {
         runs_planned: manifest.runs_planned,
         started_unix_s: manifest.started_unix_s,
         threads: manifest.threads,
         merging: manifest.merging.clone(),
-        ..Circumstances::default()
-    };
-    let mut written = results.finish(study, circumstances)?;
-    written.host.clone_from(&manifest.host);
-    written.computed_by.clone_from(&manifest.computed_by);
+        host: manifest.host.clone(),
+        computed_by: manifest.computed_by.clone(),
+        ..read
+    })?;
     let ReadableResults { study, .. } = finished;
     Ok(ReadableResults { study, manifest: written, tables, temporary: Some(temporary) })
 }

@@ -8,42 +8,30 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::mpsc::SyncSender;
 use std::thread;
-
-use thiserror::Error;
+use std::time::Duration;
 
 use super::batches::Batches;
 use super::chunk_writer::{new_results, write_chunks};
+use super::command_error::CommandError;
 use super::compute::{Engine, InLockstep, OneByOne};
 use super::stop::{StopCondition, StopReason, with_grace_period};
-use super::store::{ChunkIndex, NewResult, ResultCache, Store, StoreError};
+use super::store::{ChunkIndex, NewResult, ResultCache, Store};
 use super::worker::{RunQueue, Storage};
 use super::{EngineOptions, Progress, WorkerPool};
-use crate::analysis::{LabelCounts, PointAccumulator};
+use crate::analysis::{FailureCounts, LabelCounts, PointAccumulator};
 use crate::classification::Outcome;
 use crate::model::{Case, Model, Simulation};
 use crate::motion::{Cancellation, SimdLevel};
 use crate::study::{Plan, Study};
-use crate::table::{PointRow, ResponseSamples, RunRecord, Sink};
-
-/// The reason why a study could not be computed.
-#[derive(Debug, Error)]
-pub enum EngineError<E> {
-    /// The worker threads could not be started.
-    #[error("cannot start the worker threads: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The sink returned an error.
-    #[error("{0}")]
-    Sink(E),
-    /// Finished runs could not be stored.
-    #[error(transparent)]
-    Store(StoreError),
-}
+use crate::table::{Manifest, PointRow, ResponseSamples, RunRecord, Sink, WriteError};
 
 /// The result of a computation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunTotals {
     /// Finished runs per label.
     pub counts: LabelCounts,
+    /// Failed runs per kind of failure.
+    pub failures: FailureCounts,
     /// Why the computation stopped early, if it did.
     pub stopped: Option<StopReason>,
     /// Number of finished runs that did not have to be computed.
@@ -56,6 +44,13 @@ impl RunTotals {
     /// Whether the computation stopped early.
     pub fn interrupted(&self) -> bool {
         self.stopped.is_some()
+    }
+
+    /// Returns the manifest of the computation, which took this time on this number of threads.
+    pub fn manifest(&self, begun: Manifest, wall: Duration, threads: usize) -> Manifest {
+        let (runs_kept, wall_s, complete) = (self.reused, wall.as_secs_f64(), !self.interrupted());
+        let counted = begun.with_runs(self.counts, &self.failures);
+        Manifest { runs_kept, wall_s, threads, complete, ..counted }
     }
 }
 
@@ -74,7 +69,7 @@ pub fn run_study<S: Sink>(
     progress: &Progress,
     store: Option<&mut Store>,
     sink: &mut S,
-) -> Result<RunTotals, EngineError<S::Error>> {
+) -> Result<RunTotals, CommandError> {
     let engine = InLockstep(SimdLevel::best());
     StudyRun::new(study, options, stop, progress).run(&engine, store, sink)
 }
@@ -91,7 +86,7 @@ pub fn run_study_with<S: Sink>(
     progress: &Progress,
     store: Option<&mut Store>,
     sink: &mut S,
-) -> Result<RunTotals, EngineError<S::Error>> {
+) -> Result<RunTotals, CommandError> {
     StudyRun::new(study, options, stop, progress).run(&OneByOne(simulate), store, sink)
 }
 
@@ -125,7 +120,7 @@ impl<'a> StudyRun<'a> {
         engine: &impl Engine,
         store: Option<&mut Store>,
         sink: &mut S,
-    ) -> Result<RunTotals, EngineError<S::Error>> {
+    ) -> Result<RunTotals, CommandError> {
         let mut stopped = None;
         let is_over = || self.stop_condition.abandons_runs(&mut stopped);
         with_grace_period(is_over, |cancellation| self.run_under(cancellation, engine, store, sink))
@@ -137,7 +132,7 @@ impl<'a> StudyRun<'a> {
         engine: &impl Engine,
         store: Option<&mut Store>,
         sink: &mut S,
-    ) -> Result<RunTotals, EngineError<S::Error>> {
+    ) -> Result<RunTotals, CommandError> {
         let Some(Store { appender, chunk_index, result_cache, .. }) = store else {
             return self.compute_all(cancellation, engine, None, sink);
         };
@@ -149,10 +144,7 @@ impl<'a> StudyRun<'a> {
             let reading = Some(StoreReader { chunk_index, result_cache, new_results });
             let totals = self.compute_all(cancellation, engine, reading, sink);
             // The writer is not expected to panic; a panic is a fault of the program.
-            writer
-                .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-                .map_err(EngineError::Store)?;
+            writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
             totals
         })
     }
@@ -163,7 +155,7 @@ impl<'a> StudyRun<'a> {
         engine: &impl Engine,
         mut disk: Option<StoreReader<'_>>,
         sink: &mut S,
-    ) -> Result<RunTotals, EngineError<S::Error>> {
+    ) -> Result<RunTotals, CommandError> {
         let StudyRun { study, ref options, ref stop_condition, progress } = *self;
         let plan: &Plan = study;
         let pool = WorkerPool::new(options.threads)?;
@@ -171,8 +163,8 @@ impl<'a> StudyRun<'a> {
         let reused = |label| progress.reused(label);
         let size = options.chunk.max(1) as u64;
         let reused_count = AtomicU64::new(0);
-        let mut collector =
-            PointCollector { study, sink, point: None, counts: LabelCounts::default() };
+        let (counts, failures) = Default::default();
+        let mut collector = PointCollector { study, sink, point: None, counts, failures };
         let mut batches = Batches::new(study, options.shard);
         let mut due = 0;
         while let Some(batch) = batches.next(collector.point.as_ref().map(|point| &point.runs)) {
@@ -216,20 +208,22 @@ impl<'a> StudyRun<'a> {
                 let compute = || pool.compute(cancellation, engine, &batch);
                 let (records, delivered) =
                     pool.install(|| rayon::join(compute, || collector.add_all(waiting)));
-                delivered.map_err(EngineError::Sink)?;
+                delivered?;
                 finished = records;
             }
-            collector.add_all(finished).map_err(EngineError::Sink)?;
+            collector.add_all(finished)?;
             if collector.counts.total() < due {
                 break;
             }
         }
         progress.limit(batches.most);
-        let counts = collector.finish().map_err(EngineError::Sink)?;
+        collector.close_point()?;
+        let PointCollector { counts, failures, .. } = collector;
         let stopped = (counts.total() < due)
             .then(|| stop_condition.reason().unwrap_or(StopReason::Interrupted));
         Ok(RunTotals {
             counts,
+            failures,
             stopped,
             reused: reused_count.into_inner(),
             abandoned: stop_condition.abandoned(),
@@ -250,10 +244,11 @@ struct PointCollector<'a, S> {
     sink: &'a mut S,
     point: Option<FinishedPoint<'a>>,
     counts: LabelCounts,
+    failures: FailureCounts,
 }
 
 impl<S: Sink> PointCollector<'_, S> {
-    fn add_all(&mut self, records: Vec<RunRecord>) -> Result<(), S::Error> {
+    fn add_all(&mut self, records: Vec<RunRecord>) -> Result<(), WriteError> {
         for record in records {
             let point_id = record.planned.point_id;
             if self.point.as_ref().is_some_and(|point| point.point_id != point_id) {
@@ -267,12 +262,13 @@ impl<S: Sink> PointCollector<'_, S> {
             point.runs.add(record.observed());
             point.responses.add(&record);
             self.counts.add(record.outcome.label());
+            self.failures.add(&record.outcome.evidence);
             self.sink.run(record)?;
         }
         Ok(())
     }
 
-    fn close_point(&mut self) -> Result<(), S::Error> {
+    fn close_point(&mut self) -> Result<(), WriteError> {
         match self.point.take() {
             Some(FinishedPoint { point_id, runs, responses }) => {
                 let point = self.study.point(point_id);
@@ -282,11 +278,6 @@ impl<S: Sink> PointCollector<'_, S> {
             }
             None => Ok(()),
         }
-    }
-
-    fn finish(mut self) -> Result<LabelCounts, S::Error> {
-        self.close_point()?;
-        Ok(self.counts)
     }
 }
 

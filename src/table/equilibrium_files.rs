@@ -10,8 +10,7 @@ use super::file_list::FileList;
 use super::frictionless_equilibria::{FrictionlessRow, frictionless_columns};
 use super::provenance::provenance_with;
 use super::table_files::TableFiles;
-use super::table_files::WriteError;
-use super::writer::TableWriter;
+use super::writer::{TableWriter, WriteError};
 use crate::study::Study;
 
 /// The content of the directory.

@@ -15,9 +15,8 @@ use super::column::Column;
 use super::file_entry::{FileEntry, read_regular};
 use super::provenance::FORMAT;
 use super::table_error::TableError;
-use super::table_files::WriteError;
 use super::verified_files::{ListedFiles, is_file_name};
-use super::writer::TableWriter;
+use super::writer::{TableWriter, WriteError};
 use crate::sanitize::shorten;
 use crate::tabular::Fault;
 

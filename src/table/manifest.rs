@@ -30,37 +30,6 @@ const MAX_BYTES: u64 = 4 * 1024 * 1024;
 /// The largest number of characters of a text in a manifest.
 const LONGEST_TEXT: usize = 256;
 
-/// Facts about an execution of the program.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct Circumstances {
-    /// Part of the study, as `K/N`.
-    pub shard: String,
-    /// Planned runs of this part; with a precision, the largest number.
-    pub runs_planned: u64,
-    /// Finished runs that were reused from disk.
-    pub runs_kept: u64,
-    /// Whether all required runs have finished.
-    pub complete: bool,
-    /// Start time, in seconds since 1970-01-01 UTC.
-    pub started_unix_s: f64,
-    /// Duration, s.
-    pub wall_s: f64,
-    /// Number of worker threads.
-    pub threads: usize,
-    /// Directories of the shards that are merged; empty if runs are computed.
-    pub merging: Vec<String>,
-}
-
-impl Circumstances {
-    /// Returns the circumstances of a part of a study that is about to start.
-    pub fn begin(shard: String, runs_planned: u64) -> Self {
-        // A clock before 1970 is wrong.
-        let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let started_unix_s = started.as_secs_f64();
-        Circumstances { shard, runs_planned, started_unix_s, ..Circumstances::default() }
-    }
-}
-
 /// The manifest. No other file contains times or the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
@@ -115,39 +84,42 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Creates the manifest of the results of a study.
-    pub fn new(
-        study: &Study,
-        circumstances: Circumstances,
-        counts: LabelCounts,
-        failures: &FailureCounts,
-        files: BTreeMap<String, FileEntry>,
-    ) -> Self {
-        let Circumstances { shard, runs_planned, runs_kept, complete, merging, .. } = circumstances;
-        let label = |label: Label| (label.name().to_owned(), counts.of(label));
-        Manifest {
+    /// Returns the manifest of a part of a study that is about to start.
+    pub fn begin(study: &Study, shard: Shard) -> Self {
+        // A clock before 1970 is wrong.
+        let started = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let begun = Manifest {
             format: FORMAT,
             study: study.name().to_owned(),
             study_hash: study.hash(),
             version: VERSION.to_owned(),
             commit: COMMIT.to_owned(),
             model_version: MODEL_VERSION,
-            shard,
-            runs_planned,
-            runs_finished: counts.total(),
-            runs_kept,
-            labels: Label::ALL.into_iter().map(label).collect(),
-            failures: failures.by_name(),
-            complete,
-            started_unix_s: circumstances.started_unix_s,
-            wall_s: circumstances.wall_s,
-            threads: circumstances.threads,
-            // A merged directory is like any other.
-            merging: if complete { Vec::new() } else { merging },
+            shard: shard.to_string(),
+            runs_planned: shard.most_runs(study),
+            runs_finished: 0,
+            runs_kept: 0,
+            labels: BTreeMap::new(),
+            failures: BTreeMap::new(),
+            complete: false,
+            started_unix_s: started.as_secs_f64(),
+            wall_s: 0.0,
+            threads: 0,
+            merging: Vec::new(),
             host: gethostname::gethostname().to_string_lossy().into_owned(),
             computed_by: SimdLevel::best().path(),
-            files,
-        }
+            files: BTreeMap::new(),
+        };
+        begun.with_runs(LabelCounts::default(), &FailureCounts::default())
+    }
+
+    /// Sets the numbers of finished runs.
+    pub fn with_runs(mut self, counts: LabelCounts, failures: &FailureCounts) -> Self {
+        let label = |label: Label| (label.name().to_owned(), counts.of(label));
+        self.labels = Label::ALL.into_iter().map(label).collect();
+        self.runs_finished = counts.total();
+        self.failures = failures.by_name();
+        self
     }
 
     /// Reads the manifest of a directory, or returns `None` if there is no such file.

@@ -1,6 +1,8 @@
 //! Tables in memory: record batches with the columns and the provenance of the Parquet files.
 
 use std::collections::HashMap;
+use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use arrow_array::builder::StringDictionaryBuilder;
@@ -11,7 +13,7 @@ use arrow_schema::{ArrowError, Schema, SchemaRef};
 use arrow_select::concat::concat_batches;
 
 use super::column::{Column, schema};
-use super::writer::{Destination, TableWriter};
+use super::writer::{Destination, TableWriter, WriteError};
 
 /// Number of rows in a batch.
 const BATCH: usize = 65_536;
@@ -42,13 +44,17 @@ pub struct MemoryRows {
 }
 
 impl Destination for MemoryRows {
-    type Error = ArrowError;
-
-    fn write(&mut self, rows: Result<RecordBatch, ArrowError>) -> Result<(), ArrowError> {
-        self.pieces.push(rows?.with_schema(Arc::clone(&self.schema))?);
+    fn write(&mut self, rows: Result<RecordBatch, ArrowError>) -> Result<(), WriteError> {
+        let rows = rows.and_then(|rows| rows.with_schema(Arc::clone(&self.schema)));
+        self.pieces.push(rows.map_err(unwritten)?);
         let rows: usize = self.pieces.iter().map(RecordBatch::num_rows).sum();
-        if rows < BATCH { Ok(()) } else { self.join() }
+        if rows < BATCH { Ok(()) } else { self.join().map_err(unwritten) }
     }
+}
+
+/// Returns the error for values that do not fit their columns.
+fn unwritten(error: ArrowError) -> WriteError {
+    WriteError { path: PathBuf::from("a table in memory"), cause: io::Error::other(error) }
 }
 
 impl MemoryRows {
@@ -74,7 +80,11 @@ impl MemoryRows {
     /// Returns the table. Each column of words has one dictionary for all batches, without repeated
     /// words: some readers use the dictionary of the first batch for all batches, or treat each
     /// entry as a different word.
-    pub(super) fn finish(mut self) -> Result<MemoryTable, ArrowError> {
+    pub(super) fn finish(self) -> Result<MemoryTable, WriteError> {
+        self.with_common_words().map_err(unwritten)
+    }
+
+    fn with_common_words(mut self) -> Result<MemoryTable, ArrowError> {
         self.join()?;
         let MemoryRows { schema, mut batches, .. } = self;
         for index in 0..schema.fields().len() {
@@ -111,7 +121,7 @@ impl<R> TableWriter<R, MemoryRows> {
     ///
     /// # Errors
     /// Returns an error if values do not fit their column, which is a bug.
-    pub fn finish(self) -> Result<MemoryTable, ArrowError> {
+    pub fn finish(self) -> Result<MemoryTable, WriteError> {
         self.close()?.finish()
     }
 }
@@ -124,7 +134,7 @@ pub fn in_memory<R>(
     columns: Vec<Column<R>>,
     provenance: &str,
     rows: impl IntoIterator<Item = R>,
-) -> Result<MemoryTable, ArrowError> {
+) -> Result<MemoryTable, WriteError> {
     let mut table = TableWriter::in_memory(columns, provenance);
     table.extend(rows)?;
     table.finish()

@@ -10,7 +10,7 @@ use std::slice::Iter;
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
-use arrow_schema::{ArrowError, Schema};
+use arrow_schema::Schema;
 use serde_json::Value;
 
 use super::column::Batch;
@@ -20,7 +20,7 @@ use super::manifest::{MANIFEST, Manifest};
 use super::memory_table::{MemoryRows, MemoryTable};
 use super::provenance::FORMAT;
 use super::table_error::TableError;
-use super::writer::Destination;
+use super::writer::{Destination, WriteError};
 use crate::sanitize::shorten;
 use crate::study::list_names;
 use crate::tabular::{self, ColumnValues, Fault, Kind, ParquetFile};
@@ -206,10 +206,10 @@ impl Table {
     }
 }
 
-fn differing(file: &Path, error: &ArrowError) -> TableError {
+fn differing(file: &Path, error: &WriteError) -> TableError {
     let problem = "the parts of this table have different columns";
     let allowed = "the files that were written";
-    TableError::new(file, None, Fault::new(problem, error.to_string(), allowed))
+    TableError::new(file, None, Fault::new(problem, error.cause.to_string(), allowed))
 }
 
 /// Returns the names and kinds of the columns.

@@ -1,6 +1,5 @@
 //! The output directory of a study: its tables, written row by row.
 
-use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -9,12 +8,10 @@ use thiserror::Error;
 use super::atomic_files::{clear_temporaries, write_once};
 use super::durable_directories::make_directory;
 use super::file_entry::FileEntry;
-use super::manifest::{Circumstances, MANIFEST, Manifest};
-use super::points::PointRow;
-use super::run_record::RunRecord;
-use super::study_tables::{DATA_FILES, STUDY, Sink, StudyTables};
-use super::table_files::{TableFiles, WriteError};
-use crate::analysis::{FailureCounts, LabelCounts, PointDetail};
+use super::manifest::{MANIFEST, Manifest};
+use super::study_tables::{DATA_FILES, STUDY, StudyTables};
+use super::table_files::TableFiles;
+use super::writer::WriteError;
 use crate::study::Study;
 
 /// Why an output directory cannot be used or written.
@@ -70,9 +67,8 @@ impl ResultsError {
 /// The tables of a study in an output directory, open for writing.
 pub struct Results {
     directory: PathBuf,
-    tables: StudyTables<TableFiles>,
-    counts: LabelCounts,
-    failures: FailureCounts,
+    /// The tables.
+    pub tables: StudyTables<TableFiles>,
 }
 
 impl Results {
@@ -93,56 +89,33 @@ impl Results {
         let tables = StudyTables::new(study, |name, provenance, schema| {
             TableFiles::create(&directory.join(format!("{name}.parquet")), schema, provenance)
         })?;
-        let (counts, failures) = Default::default();
-        Ok(Results { directory: directory.to_owned(), tables, counts, failures })
+        Ok(Results { directory: directory.to_owned(), tables })
     }
 
     /// Writes a manifest that names the study before there are any results.
     ///
     /// # Errors
     /// Returns an error if the manifest cannot be written.
-    pub fn announce(
-        &self,
-        study: &Study,
-        circumstances: Circumstances,
-    ) -> Result<(), ResultsError> {
-        let manifest =
-            Manifest::new(study, circumstances, self.counts, &self.failures, BTreeMap::new());
+    pub fn announce(&self, manifest: &Manifest) -> Result<(), ResultsError> {
         manifest.write(&self.directory).map_err(ResultsError::unusable(&self.directory))
     }
 
-    /// Finishes the tables, and writes the manifest last.
+    /// Finishes the tables, and writes the manifest with their files last.
     ///
     /// # Errors
     /// Returns an error if a file cannot be written.
-    pub fn finish(
-        self,
-        study: &Study,
-        circumstances: Circumstances,
-    ) -> Result<Manifest, ResultsError> {
+    pub fn finish(self, mut manifest: Manifest) -> Result<Manifest, ResultsError> {
         let unusable = ResultsError::unusable(&self.directory);
-        let mut files = BTreeMap::new();
         for table in self.tables.close()? {
-            files.extend(table.finish(true, |_| Ok(()))?);
+            manifest.files.extend(table.finish(true, |_| Ok(()))?);
         }
         let study_file = FileEntry::of(&self.directory.join(STUDY), None).map_err(&unusable)?;
-        files.insert(STUDY.to_owned(), study_file);
-        let manifest = Manifest::new(study, circumstances, self.counts, &self.failures, files);
+        manifest.files.insert(STUDY.to_owned(), study_file);
+        if manifest.complete {
+            // A merged directory is like any other.
+            manifest.merging.clear();
+        }
         manifest.write(&self.directory).map_err(unusable)?;
         Ok(manifest)
-    }
-}
-
-impl Sink for Results {
-    type Error = ResultsError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
-        self.counts.add(record.outcome.label());
-        self.failures.add(&record.outcome.evidence);
-        Ok(self.tables.run(record)?)
-    }
-
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        Ok(self.tables.point(point, detail)?)
     }
 }

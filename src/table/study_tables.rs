@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-use arrow_schema::{ArrowError, SchemaRef};
+use arrow_schema::SchemaRef;
 
 use super::column::{Column, schema};
 use super::cycles::{CycleRow, cycle_columns};
@@ -16,21 +16,18 @@ use super::run_record::RunRecord;
 use super::runs::run_columns;
 use super::stages::{StageRow, stage_columns};
 use super::time_to_rest::{RestRow, rest_columns};
-use super::writer::{Destination, TableWriter};
+use super::writer::{Destination, TableWriter, WriteError};
 use crate::analysis::PointDetail;
 use crate::study::Study;
 
 /// Receives runs and points in the order of the study.
 pub trait Sink: Send {
-    /// The error of the sink.
-    type Error: Send;
-
     /// Receives a finished run. Runs arrive in ascending order of their numbers.
-    fn run(&mut self, record: RunRecord) -> Result<(), Self::Error>;
+    fn run(&mut self, record: RunRecord) -> Result<(), WriteError>;
 
     /// Receives a point whose runs have finished, all of them or those before an interruption; `detail` holds the
     /// rows of other tables.
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), Self::Error>;
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), WriteError>;
 }
 
 /// The name of the study file in an output directory.
@@ -60,7 +57,7 @@ macro_rules! tables {
             }
 
             /// Writes the remaining rows. Returns the destinations in the order of [`table_names`].
-            pub(super) fn close(self) -> Result<Vec<D>, D::Error> {
+            pub(super) fn close(self) -> Result<Vec<D>, WriteError> {
                 let tables = [$(self.$name.map(TableWriter::close)),*];
                 tables.into_iter().flatten().collect()
             }
@@ -102,20 +99,18 @@ fn begin<R, D: Destination, E>(
 fn push<R, D: Destination>(
     table: &mut Option<TableWriter<R, D>>,
     rows: impl IntoIterator<Item = R>,
-) -> Result<(), D::Error> {
+) -> Result<(), WriteError> {
     table.as_mut().map_or(Ok(()), |table| table.extend(rows))
 }
 
 impl<D: Destination> Sink for StudyTables<D> {
-    type Error = D::Error;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), D::Error> {
+    fn run(&mut self, record: RunRecord) -> Result<(), WriteError> {
         push(&mut self.equilibria, EquilibriumRow::of(&record))?;
         push(&mut self.stages, StageRow::of(&record))?;
         push(&mut self.runs, [record])
     }
 
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), D::Error> {
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), WriteError> {
         let PointDetail { rest, cycles, histogram } = detail;
         let key = PointKey { point_id: point.point_id, swept: point.swept.clone() };
         push(&mut self.time_to_rest, rest.into_iter().map(|step| RestRow::new(&key, step)))?;
@@ -139,7 +134,7 @@ impl StudyTables<MemoryRows> {
     ///
     /// # Errors
     /// Returns an error if values do not fit their column, which is a bug.
-    pub fn finish(self) -> Result<Vec<MemoryTable>, ArrowError> {
+    pub fn finish(self) -> Result<Vec<MemoryTable>, WriteError> {
         self.close()?.into_iter().map(MemoryRows::finish).collect()
     }
 }

@@ -12,13 +12,12 @@ use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use thiserror::Error;
 
 use super::atomic_files::taken;
 use super::column::{Column, schema};
 use super::file_entry::FileEntry;
 use super::unfinished_table::{UnfinishedTable, part_name};
-use super::writer::{BLOCK, Destination, TableWriter};
+use super::writer::{BLOCK, Destination, TableWriter, WriteError};
 
 /// Rows per row group.
 const ROW_GROUP: usize = 2 * BLOCK;
@@ -28,16 +27,6 @@ const ROW_GROUP: usize = 2 * BLOCK;
 /// to 100 MB: readers distribute them over cores, and an interrupted copy continues with the next
 /// part.
 const ROWS_PER_FILE: u64 = 64 * ROW_GROUP as u64;
-
-/// Why a table could not be written.
-#[derive(Debug, Error)]
-#[error("cannot write {}: {cause}", path.display())]
-pub struct WriteError {
-    /// The file.
-    pub path: PathBuf,
-    /// The error of the operating system, or of the Parquet library, which the former usually causes.
-    pub cause: io::Error,
-}
 
 /// The files of a table, which gets its name when it is finished.
 ///
@@ -56,8 +45,6 @@ pub struct TableFiles {
 }
 
 impl Destination for TableFiles {
-    type Error = WriteError;
-
     fn write(&mut self, rows: Result<RecordBatch, ArrowError>) -> Result<(), WriteError> {
         let written = rows.map_err(io::Error::other).and_then(|rows| self.divide(&rows));
         written.map_err(|cause| WriteError { path: self.path.clone(), cause })

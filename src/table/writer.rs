@@ -1,7 +1,11 @@
 //! Writes one table row by row with constant memory, into files or into memory.
 
+use std::io;
+use std::path::PathBuf;
+
 use arrow_array::RecordBatch;
 use arrow_schema::ArrowError;
+use thiserror::Error;
 
 use super::column::{Column, batch};
 
@@ -9,16 +13,23 @@ use super::column::{Column, batch};
 /// groups, so that the bytes do not depend on how many runs were computed at a time.
 pub(super) const BLOCK: usize = 4096;
 
+/// Why a table could not be written.
+#[derive(Debug, Error)]
+#[error("cannot write {}: {cause}", path.display())]
+pub struct WriteError {
+    /// The file.
+    pub path: PathBuf,
+    /// The error of the operating system, or of the Parquet library, which the former usually causes.
+    pub cause: io::Error,
+}
+
 /// Where the rows of a table go: [`super::TableFiles`] or [`super::MemoryRows`].
 pub trait Destination: Send {
-    /// Why a table could not be written.
-    type Error: Send;
-
     /// Takes further rows, or the reason why they form no columns, which is a bug.
     ///
     /// # Errors
     /// Returns an error if the rows cannot be written.
-    fn write(&mut self, rows: Result<RecordBatch, ArrowError>) -> Result<(), Self::Error>;
+    fn write(&mut self, rows: Result<RecordBatch, ArrowError>) -> Result<(), WriteError>;
 }
 
 /// Writes a table.
@@ -38,7 +49,7 @@ impl<R, D: Destination> TableWriter<R, D> {
     ///
     /// # Errors
     /// Returns an error if the table cannot be written.
-    pub fn push(&mut self, row: R) -> Result<(), D::Error> {
+    pub fn push(&mut self, row: R) -> Result<(), WriteError> {
         self.rows.push(row);
         if self.rows.len() < BLOCK { Ok(()) } else { self.flush() }
     }
@@ -47,11 +58,11 @@ impl<R, D: Destination> TableWriter<R, D> {
     ///
     /// # Errors
     /// Returns an error if the table cannot be written.
-    pub fn extend(&mut self, rows: impl IntoIterator<Item = R>) -> Result<(), D::Error> {
+    pub fn extend(&mut self, rows: impl IntoIterator<Item = R>) -> Result<(), WriteError> {
         rows.into_iter().try_for_each(|row| self.push(row))
     }
 
-    fn flush(&mut self) -> Result<(), D::Error> {
+    fn flush(&mut self) -> Result<(), WriteError> {
         if self.rows.is_empty() {
             return Ok(());
         }
@@ -61,7 +72,7 @@ impl<R, D: Destination> TableWriter<R, D> {
     }
 
     /// Passes the remaining rows on, and returns the destination with all rows.
-    pub(super) fn close(mut self) -> Result<D, D::Error> {
+    pub(super) fn close(mut self) -> Result<D, WriteError> {
         self.flush()?;
         Ok(self.destination)
     }

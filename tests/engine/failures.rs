@@ -79,7 +79,7 @@ fn stop_finishes_what_runs_and_begins_nothing() {
 fn a_sink_that_refuses_stops_the_farm() {
     let mut kept = Kept { room: Some(10), ..Kept::default() };
     let error = run_in_memory(&study(), &mut kept, &AtomicBool::new(false), simulate).unwrap_err();
-    assert_eq!(error.to_string(), "the disk is full");
+    assert_eq!(error.to_string(), "cannot write runs: the disk is full");
     assert_eq!(kept.runs.len(), 10);
 }
 

@@ -2,12 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
+use stickslip::CommandError;
 use stickslip::analysis::PointDetail;
 use stickslip::classification::Outcome;
-use stickslip::engine::{EngineError, EngineOptions, Progress, RunTotals, Sink, run_study_with};
+use stickslip::engine::{EngineOptions, Progress, RunTotals, Sink, run_study_with};
 use stickslip::model::Case;
 use stickslip::study::Study;
-use stickslip::table::{PointRow, RunRecord};
+use stickslip::table::{PointRow, RunRecord, WriteError};
 
 /// Runs and points in order of arrival; refuses runs above its capacity.
 #[derive(Default)]
@@ -18,17 +19,16 @@ pub struct Kept {
 }
 
 impl Sink for Kept {
-    type Error = &'static str;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), Self::Error> {
+    fn run(&mut self, record: RunRecord) -> Result<(), WriteError> {
         if self.room == Some(self.runs.len()) {
-            return Err("the disk is full");
+            let cause = std::io::Error::other("the disk is full");
+            return Err(WriteError { path: "runs".into(), cause });
         }
         self.runs.push(record);
         Ok(())
     }
 
-    fn point(&mut self, point: PointRow, _: PointDetail) -> Result<(), Self::Error> {
+    fn point(&mut self, point: PointRow, _: PointDetail) -> Result<(), WriteError> {
         self.points.push(point);
         Ok(())
     }
@@ -40,7 +40,7 @@ pub fn run_in_memory(
     sink: &mut Kept,
     stop: &AtomicBool,
     simulate: impl Fn(&Case) -> Outcome + Sync,
-) -> Result<RunTotals, EngineError<&'static str>> {
+) -> Result<RunTotals, CommandError> {
     let options = EngineOptions { threads: 3, chunk: 4, ..EngineOptions::default() };
     run_study_with(
         study,

@@ -13,12 +13,12 @@ use sha2::{Digest, Sha256};
 use stickslip::analysis::PointDetail;
 use stickslip::classification::MODEL_VERSION;
 use stickslip::engine::{
-    CHUNKS, Chunk, EngineOptions, ListedChunk, Progress, Sink, Store, run_study,
+    CHUNKS, Chunk, EngineOptions, ListedChunk, Progress, Shard, Sink, Store, run_study,
 };
 use stickslip::responses::Request;
 use stickslip::study::{Study, StudyError};
 use stickslip::table::{
-    Circumstances, MANIFEST, Manifest, PointRow, Results, ResultsError, RunRecord, VERSION, inspect,
+    MANIFEST, Manifest, PointRow, Results, RunRecord, VERSION, WriteError, inspect,
 };
 
 /// Processes the bytes and returns whether they were usable. All inputs use one folder, which is empty at first.
@@ -308,8 +308,9 @@ fn run_in_scratch(directory: &Path, study: &Study) -> u64 {
     progress.close();
     let totals = ended.expect("a scratch folder");
     assert_eq!(sink.runs, study.run_count());
-    let circumstances = Circumstances::begin("1/1".to_owned(), study.run_count());
-    sink.results.finish(study, circumstances).expect("a scratch folder");
+    let begun = Manifest::begin(study, Shard::WHOLE);
+    let manifest = begun.with_runs(totals.counts, &totals.failures);
+    sink.results.finish(manifest).expect("a scratch folder");
     totals.reused
 }
 
@@ -319,14 +320,12 @@ struct Tables {
 }
 
 impl Sink for Tables {
-    type Error = ResultsError;
-
-    fn run(&mut self, record: RunRecord) -> Result<(), ResultsError> {
+    fn run(&mut self, record: RunRecord) -> Result<(), WriteError> {
         self.runs += 1;
-        self.results.run(record)
+        self.results.tables.run(record)
     }
 
-    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), ResultsError> {
-        self.results.point(point, detail)
+    fn point(&mut self, point: PointRow, detail: PointDetail) -> Result<(), WriteError> {
+        self.results.tables.point(point, detail)
     }
 }

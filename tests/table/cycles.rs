@@ -9,10 +9,10 @@ use crate::support::{Block, Ground};
 use arrow::array::{AsArray, RecordBatch};
 use arrow::datatypes::{Float64Type, Int32Type};
 use stickslip::classification::{ClosedOrbit, Cycle, CyclePhase, Evidence, Outcome};
-use stickslip::engine::{EngineOptions, Progress, run_study_with};
+use stickslip::engine::{EngineOptions, Progress, Shard, run_study_with};
 use stickslip::model::{Case, FrictionLaw};
 use stickslip::study::Study;
-use stickslip::table::{Circumstances, Results};
+use stickslip::table::{Manifest, Results};
 
 use super::contract::{columns, listed};
 use crate::cli::support::{
@@ -133,18 +133,19 @@ fn written(study: &Study, folder: &Path, threads: usize, chunk: usize) -> Vec<u8
     let options = EngineOptions { threads, chunk, ..EngineOptions::default() };
     let mut tables = Results::create(folder, study).expect("an empty folder");
     let progress = Progress::new(study.run_count(), true);
-    run_study_with(
+    let totals = run_study_with(
         study,
         options,
         constructed,
         &AtomicBool::new(false),
         &progress,
         None,
-        &mut tables,
+        &mut tables.tables,
     )
     .unwrap();
-    let circumstances = Circumstances::begin("1/1".to_owned(), study.run_count());
-    let manifest = tables.finish(study, circumstances).expect("written tables");
+    let begun = Manifest::begin(study, Shard::WHOLE);
+    let manifest =
+        tables.finish(begun.with_runs(totals.counts, &totals.failures)).expect("written tables");
     assert_eq!(manifest.files["cycles.parquet"].rows, Some(6));
     fs::read(folder.join("cycles.parquet")).unwrap()
 }
