@@ -1,4 +1,4 @@
-//! A column of a table: its name, unit and meaning, and how its value is computed from a row; and a batch of rows.
+//! A column of a table: its name, unit and meaning, and how its value is computed from a row.
 //!
 //! A table is a list of columns; its schema and its record batches are derived from the same list.
 
@@ -13,17 +13,11 @@ use arrow_array::{
 };
 use arrow_schema::{ArrowError, DataType, Field, Schema};
 
+use super::row::{Batch, Row};
 use crate::tabular::ColumnValues;
 
 type Build<R> = Box<dyn Fn(&[R]) -> ArrayRef + Send + Sync>;
-type Read<R> = Box<dyn Fn(&mut R, &dyn NamedCells, &str) + Send + Sync>;
-
-/// A row of a table whose values are read by the names of their columns; `None` for a missing value.
-pub(super) trait NamedCells {
-    fn number(&self, column: &str) -> Option<f64>;
-    fn count(&self, column: &str) -> Option<u64>;
-    fn text(&self, column: &str) -> Option<String>;
-}
+type Read<R> = Box<dyn Fn(&mut R, &Row<'_>, &str) + Send + Sync>;
 
 /// One column of a table of rows `R`.
 pub struct Column<R> {
@@ -45,7 +39,7 @@ impl<R> Column<R> {
     /// Says how the value in a row of a table, with the name of the column, gets back into a row `R`.
     pub(super) fn reads(
         &mut self,
-        read: impl Fn(&mut R, &dyn NamedCells, &str) + Send + Sync + 'static,
+        read: impl Fn(&mut R, &Row<'_>, &str) + Send + Sync + 'static,
     ) -> &mut Self {
         self.read = Some(Box::new(read));
         self
@@ -215,7 +209,7 @@ fn twice<R>(columns: &[Column<R>]) -> Option<&str> {
 }
 
 /// Reads the values of a row of a table into a row `R`, as far as the columns say how.
-pub(super) fn read_into<R>(columns: &[Column<R>], row: &dyn NamedCells, into: &mut R) {
+pub(super) fn read_into<R>(columns: &[Column<R>], row: &Row<'_>, into: &mut R) {
     for Column { field, read, .. } in columns {
         read.iter().for_each(|read| read(into, row, field.name()));
     }
@@ -228,17 +222,6 @@ pub(super) fn read_into<R>(columns: &[Column<R>], row: &dyn NamedCells, into: &m
 pub fn batch<R>(columns: &[Column<R>], rows: &[R]) -> Result<RecordBatch, ArrowError> {
     let arrays = columns.iter().map(|column| (column.build)(rows)).collect();
     RecordBatch::try_new(schema(columns), arrays)
-}
-
-/// A batch of consecutive rows of a table.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Batch {
-    /// The number of the first row, counted from 0.
-    pub first_row: u64,
-    /// The number of rows.
-    pub rows: usize,
-    /// The requested columns, in the order of the request.
-    pub columns: Vec<(String, ColumnValues)>,
 }
 
 impl Batch {

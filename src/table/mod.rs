@@ -9,7 +9,7 @@
 //!   kills and power loss, and `manifest` lists the files of a directory.
 //! - `writer` turns rows into columns for a `memory_table` or for files. An `unfinished_table` gets its name last, and
 //!   `table_files` writes into it. `file_list` lists the files of a directory without a manifest.
-//! - `read` opens a table, `row` reads its rows, and `stored_run` compares a row with a run that is computed again.
+//! - `row` is a row as a reader sees it, `read` opens a table and reads its rows, and `stored_run` compares a row with a run that is computed again.
 //! - `points` has one row per point. Other tables have several rows per point, which `point_key` names. `study_tables` and
 //!   `equilibrium_files` hold the tables of a command, and `results` is the output directory of a study. `output_state`
 //!   inspects such a directory before a run, and `previous_results` moves earlier results aside.
@@ -57,7 +57,6 @@ mod writer;
 pub use crate::tabular::{ColumnValues, Kind};
 pub use atomic_files::{clear_temporaries, write_atomically, write_once};
 pub(crate) use atomic_files::{is_own, temporary_file};
-pub use column::Batch;
 pub use cycles::{CycleRow, cycle_columns};
 pub use durable_directories::{is_inside, make_directory, make_inside, sync_directory};
 pub use equilibria::{EquilibriumRow, equilibrium_columns};
@@ -82,7 +81,7 @@ pub use read::{Table, TableBatches};
 pub use replay::{switch_columns, trajectory_columns};
 pub use response_samples::ResponseSamples;
 pub use results::{Results, ResultsError};
-pub use row::Row;
+pub use row::{Batch, Row};
 pub use run_record::RunRecord;
 pub(crate) use runs::add_swept;
 pub use runs::{planned_columns, run_columns};

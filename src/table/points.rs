@@ -1,6 +1,6 @@
 //! `points.parquet`: one row per point of the sweep.
 
-use super::column::{Column, Columns, NamedCells, read_into};
+use super::column::{Column, Columns, read_into};
 use super::estimate::add_estimate;
 use super::response_samples::ResponseSamples;
 use super::row::Row;
@@ -310,7 +310,7 @@ fn add_residual_vibration(list: &mut Columns<PointRow>) {
     };
     // The fraction and its interval are known together.
     let read_worse = |end: usize| {
-        move |row: &mut PointRow, read: &dyn NamedCells, name: &str| {
+        move |row: &mut PointRow, read: &Row<'_>, name: &str| {
             let worse = &mut row.summary.residual.worse_than_without_balls;
             let before = if end == 0 { Some([f64::NAN; 3]) } else { *worse };
             *worse = before.zip(read.number(name)).map(|(mut all, number)| {

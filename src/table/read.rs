@@ -4,6 +4,7 @@
 //! checked against this list: its size, its hash, its number of rows, and the layout and the study in its metadata under the
 //! key `stickslip`. No file makes the program panic or allocate unbounded memory, and only one batch is in memory.
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::slice::Iter;
@@ -13,12 +14,12 @@ use arrow_array::RecordBatch;
 use arrow_schema::Schema;
 use serde_json::Value;
 
-use super::column::Batch;
 use super::file_entry::short_hash;
 use super::file_list::{FILES, FileList};
 use super::manifest::{MANIFEST, Manifest};
 use super::memory_table::{MemoryRows, MemoryTable};
 use super::provenance::FORMAT;
+use super::row::{Batch, Row};
 use super::table_error::TableError;
 use super::writer::{Destination, WriteError};
 use crate::sanitize::shorten;
@@ -128,11 +129,6 @@ impl Table {
         self.parts.iter().map(|(_, rows)| *rows).chain(held).fold(0, u64::saturating_add)
     }
 
-    /// Returns the kind of a column; `None` if there is no such column.
-    pub(super) fn kind(&self, column: &str) -> Option<Kind> {
-        self.columns.iter().find(|(name, _)| name == column)?.1
-    }
-
     /// Reads some columns from the first row on.
     ///
     /// # Errors
@@ -144,6 +140,44 @@ impl Table {
         find(path, &self.columns, &wanted)?;
         let (parts, held) = (self.parts.iter(), self.held.iter());
         Ok(TableBatches { table: self, wanted, parts, part: None, held, next_row: 0 })
+    }
+
+    /// Reads each row.
+    ///
+    /// # Errors
+    /// Returns an error if a column is missing or has another kind, and as an item if a file cannot be read.
+    pub fn read_rows<'a, T: 'a>(
+        &'a self,
+        read: impl Fn(&Row<'_>) -> T + 'a,
+    ) -> Result<impl Iterator<Item = Result<T, TableError>> + 'a, TableError> {
+        let batches = self.read_for(&read)?;
+        Ok(batches.flat_map(move |batch| match batch {
+            Ok(batch) => (0..batch.rows).map(|row| Ok(read(&batch.row(row)))).collect(),
+            Err(error) => vec![Err(error)],
+        }))
+    }
+
+    /// Passes each row to `take`, which does nothing if all values are missing.
+    ///
+    /// # Errors
+    /// Returns an error if a column is missing or has another kind, or if a file cannot be read.
+    pub fn for_each(&self, mut take: impl FnMut(&Row<'_>)) -> Result<(), TableError> {
+        for batch in self.read_for(&mut take)? {
+            let batch = batch?;
+            (0..batch.rows).for_each(|row| take(&batch.row(row)));
+        }
+        Ok(())
+    }
+
+    /// Reads the columns that a reader asks for.
+    fn read_for<T>(
+        &self,
+        mut read: impl FnMut(&Row<'_>) -> T,
+    ) -> Result<TableBatches<'_>, TableError> {
+        let asked = RefCell::default();
+        read(&Row::asked(&self.columns, &asked));
+        let asked = asked.into_inner();
+        self.read(&asked.iter().map(|(name, kind)| (&**name, *kind)).collect::<Vec<_>>())
     }
 
     /// The table in memory, in full, as it was when it was written.

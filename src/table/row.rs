@@ -5,11 +5,26 @@ use std::cell::{Cell, RefCell};
 
 use serde_json::Value;
 
-use super::column::{Batch, NamedCells};
-use super::read::{Table, TableBatches};
-use super::table_error::TableError;
 use crate::classification::Label;
 use crate::tabular::{ColumnValues, Kind};
+
+/// A batch of consecutive rows of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// The number of the first row, counted from 0.
+    pub first_row: u64,
+    /// The number of rows.
+    pub rows: usize,
+    /// The requested columns, in the order of the request.
+    pub columns: Vec<(String, ColumnValues)>,
+}
+
+impl Batch {
+    /// Returns a row.
+    pub fn row(&self, row: usize) -> Row<'_> {
+        Row(RowSource::Read(self, row, Cell::new(0)))
+    }
+}
 
 /// A row of a table. Each method returns the value in a column, `None` if it is missing.
 ///
@@ -18,57 +33,15 @@ use crate::tabular::{ColumnValues, Kind};
 pub struct Row<'a>(RowSource<'a>);
 
 enum RowSource<'a> {
-    /// The columns that a reader of this table asks for.
-    Asked(&'a Table, &'a RefCell<Vec<(String, Kind)>>),
+    /// The columns that a reader of a table with these columns asks for.
+    Asked(&'a [(String, Option<Kind>)], &'a RefCell<Vec<(String, Kind)>>),
     /// A row of a batch, and the number of values that the reader has asked for in it.
     Read(&'a Batch, usize, Cell<usize>),
 }
 
-impl Table {
-    /// Reads each row.
-    ///
-    /// # Errors
-    /// Returns an error if a column is missing or has another kind, and as an item if a file cannot be read.
-    pub fn read_rows<'a, T: 'a>(
-        &'a self,
-        read: impl Fn(&Row<'_>) -> T + 'a,
-    ) -> Result<impl Iterator<Item = Result<T, TableError>> + 'a, TableError> {
-        let batches = self.read_for(&read)?;
-        Ok(batches.flat_map(move |batch| match batch {
-            Ok(batch) => (0..batch.rows).map(|row| Ok(read(&batch.row(row)))).collect(),
-            Err(error) => vec![Err(error)],
-        }))
-    }
-
-    /// Passes each row to `take`, which does nothing if all values are missing.
-    ///
-    /// # Errors
-    /// Returns an error if a column is missing or has another kind, or if a file cannot be read.
-    pub fn for_each(&self, mut take: impl FnMut(&Row<'_>)) -> Result<(), TableError> {
-        for batch in self.read_for(&mut take)? {
-            let batch = batch?;
-            (0..batch.rows).for_each(|row| take(&batch.row(row)));
-        }
-        Ok(())
-    }
-
-    /// Reads the columns that a reader asks for.
-    fn read_for<T>(
-        &self,
-        mut read: impl FnMut(&Row<'_>) -> T,
-    ) -> Result<TableBatches<'_>, TableError> {
-        let asked = RefCell::default();
-        read(&Row(RowSource::Asked(self, &asked)));
-        let asked = asked.into_inner();
-        self.read(&asked.iter().map(|(name, kind)| (&**name, *kind)).collect::<Vec<_>>())
-    }
-}
-
-impl Batch {
-    /// Returns a row.
-    pub fn row(&self, row: usize) -> Row<'_> {
-        Row(RowSource::Read(self, row, Cell::new(0)))
-    }
+/// Returns the kind of a column; `None` if there is no such column.
+fn kind(columns: &[(String, Option<Kind>)], column: &str) -> Option<Kind> {
+    columns.iter().find(|(name, _)| name == column)?.1
 }
 
 macro_rules! value {
@@ -83,25 +56,19 @@ macro_rules! value {
     };
 }
 
-impl NamedCells for Row<'_> {
-    fn number(&self, column: &str) -> Option<f64> {
-        self.number(column)
-    }
-
-    fn count(&self, column: &str) -> Option<u64> {
-        self.count(column)
-    }
-
-    fn text(&self, column: &str) -> Option<String> {
-        self.text(column)
-    }
-}
-
 impl<'a> Row<'a> {
     value!(number, Number, f64, "a number");
     value!(count, Count, u64, "a whole number from 0");
     value!(truth, Boolean, bool, "a Boolean value");
     value!(text, Text, String, "a text");
+
+    /// Returns a row without values, which notes in `asked` what a reader of a table with these `columns` asks for.
+    pub(super) fn asked(
+        columns: &'a [(String, Option<Kind>)],
+        asked: &'a RefCell<Vec<(String, Kind)>>,
+    ) -> Self {
+        Row(RowSource::Asked(columns, asked))
+    }
 
     /// Returns the number of the row in the table, from 0.
     pub fn place(&self) -> u64 {
@@ -114,7 +81,7 @@ impl<'a> Row<'a> {
     /// Returns whether the table has a column.
     pub fn has(&self, column: &str) -> bool {
         match &self.0 {
-            RowSource::Asked(table, _) => table.kind(column).is_some(),
+            RowSource::Asked(columns, _) => kind(columns, column).is_some(),
             RowSource::Read(batch, ..) => batch.columns.iter().any(|(name, _)| name == column),
         }
     }
@@ -139,7 +106,7 @@ impl<'a> Row<'a> {
     /// Returns the value in a column of any kind as JSON: null if it is missing, or if the table has no such column.
     pub fn json(&self, column: &str) -> Value {
         let kind = match &self.0 {
-            RowSource::Asked(table, _) => table.kind(column),
+            RowSource::Asked(columns, _) => kind(columns, column),
             RowSource::Read(..) => Some(Kind::Number),
         };
         let found = kind.and_then(|kind| self.values(column, kind));
