@@ -1,7 +1,7 @@
 //! Progress bars of tqdm, in a terminal or a notebook, drawn while a computation runs in another thread.
 
 use pyo3::prelude::*;
-use stickslip::engine::{ProgressDisplay, SeenProgress, Watch};
+use stickslip::engine::{ProgressDisplay, Snapshot, Watch};
 
 /// How progress is shown: the bars, if there are any.
 pub struct Bars {
@@ -39,9 +39,8 @@ impl Bars {
     /// Returns the exception of tqdm or of a signal handler.
     pub fn draw(&self, py: Python<'_>) -> PyResult<()> {
         let Some(bars) = &self.bars else { return Ok(()) };
-        for seen in self.watch.look() {
-            let SeenProgress { part, study, runs, most_runs, at_most: _, equilibria, failed } =
-                seen;
+        for (part, (study, counts)) in (1_u64..).zip(self.watch.look()) {
+            let Snapshot { runs, most_runs, equilibria, failed, .. } = counts;
             bars.call_method1(py, "draw", (part, study, runs, most_runs, equilibria, failed))?;
         }
         Ok(())

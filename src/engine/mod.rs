@@ -41,13 +41,13 @@ pub use message::{say, show_messages};
 pub use options::EngineOptions;
 pub use output_dir::{OutputDir, PreparedDirectory};
 pub use progress::{Planned, Progress, ProgressDisplay};
-pub use progress_counts::Parts;
+pub use progress_counts::{Parts, Snapshot};
 pub use readable_results::{ReadableResults, finished_run, how_to_continue, readable_results};
 pub use results_study::{begun_study, results_study};
 pub use run_study::{RunTotals, run_study, run_study_with};
 pub use stop::StopReason;
 pub use store::{CHUNKS, Chunk, ChunkFault, ListedChunk, Lock, Store, StoreError, listed_runs};
-pub use watch::{SeenProgress, Watch};
+pub use watch::Watch;
 pub use worker_pool::WorkerPool;
 
 pub use crate::table::{Shard, ShardError, Sink};

@@ -55,22 +55,31 @@ pub(super) struct ProgressCounts {
     pub next_line: AtomicU64,
 }
 
-/// A snapshot of the counters.
-#[derive(Clone, Copy)]
-pub(super) struct Snapshot {
+/// What the counters say at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot {
+    /// The time since the start, s.
     pub elapsed_s: f64,
+    /// The number of runs of this part of the computation, or an upper bound.
     pub most_runs: u64,
+    /// Whether `most_runs` is an upper bound.
     pub at_most: bool,
+    /// The number of finished runs.
     pub runs: u64,
+    /// The number of runs that were already on disk.
     pub reused: u64,
+    /// The number of runs at rest.
     pub equilibria: u64,
+    /// The number of failed runs.
     pub failed: u64,
+    /// The groups of runs.
     pub parts: Parts,
+    /// The number of finished groups.
     pub parts_finished: u64,
 }
 
 impl ProgressCounts {
-    pub fn snapshot(&self) -> Snapshot {
+    pub(super) fn snapshot(&self) -> Snapshot {
         let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
         // Parts are read before the total, so that no part exceeds it.
         let [equilibria, failed, reused] = [&self.equilibria, &self.failed, &self.reused].map(read);
@@ -90,21 +99,21 @@ impl ProgressCounts {
 
 impl Snapshot {
     /// Returns the rate of computed runs per second, without those that were on disk.
-    pub fn rate(&self) -> f64 {
+    pub(super) fn rate(&self) -> f64 {
         self.runs.saturating_sub(self.reused) as f64 / self.elapsed_s.max(1e-9)
     }
 
-    pub fn runs_left(&self) -> u64 {
+    fn runs_left(&self) -> u64 {
         self.most_runs.saturating_sub(self.runs)
     }
 
     /// Returns the estimated remaining time; `None` if nothing has been computed yet.
-    pub fn left(&self) -> Option<Duration> {
+    pub(super) fn left(&self) -> Option<Duration> {
         Duration::try_from_secs_f64(self.runs_left() as f64 / self.rate()).ok()
     }
 
     /// Returns the fraction of equilibria with its 95 % interval.
-    pub fn fraction(&self) -> Option<(f64, (f64, f64))> {
+    pub(super) fn fraction(&self) -> Option<(f64, (f64, f64))> {
         let fraction = self.equilibria as f64 / self.runs as f64;
         let ends = wilson_with_failures(self.equilibria, self.failed, self.runs, Z_95);
         (self.runs > 0).then_some((fraction, ends))
@@ -112,7 +121,7 @@ impl Snapshot {
 
     /// Returns the counts as one line of text, for the bar and for lines. The fraction of
     /// equilibria is that of a single point; runs of different points have no common one.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let Snapshot { runs, most_runs, failed, .. } = self;
         let bound = if self.at_most { "at most " } else { "" };
         let mut parts = vec![format!("{runs} of {bound}{most_runs} runs")];
@@ -137,7 +146,7 @@ impl Snapshot {
     }
 
     /// Returns an event; `planned` is the number of runs that were planned at the start.
-    pub fn event(&self, event: &str, planned: u64) -> Value {
+    pub(super) fn event(&self, event: &str, planned: u64) -> Value {
         let fraction = self.fraction();
         json!({
             "event": event,
