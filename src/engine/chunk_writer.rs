@@ -6,7 +6,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::stop::StopCondition;
-use super::store::{ChunkAppender, NewResult, StoreError};
+use super::store::{Folder, NewResult, StoreError};
 
 /// The longest time before a finished run is written.
 const MAX_WAIT: Duration = Duration::from_secs(3);
@@ -25,7 +25,7 @@ pub(super) fn new_results() -> (SyncSender<NewResult>, Receiver<NewResult>) {
 /// Writes the received runs until all senders are gone: one chunk per `chunk` runs, or earlier when `MAX_WAIT` has
 /// passed.
 pub(super) fn write_chunks(
-    appender: &mut ChunkAppender,
+    output: &mut Folder,
     finished: &Receiver<NewResult>,
     chunk: usize,
     stop_condition: &StopCondition<'_>,
@@ -50,7 +50,7 @@ pub(super) fn write_chunks(
         }
         runs.sort_unstable_by_key(|run: &NewResult| run.run_id);
         if written.is_ok() && !runs.is_empty() {
-            written = appender.append(&runs);
+            written = output.append(&runs);
             if written.is_err() {
                 stop_condition.stop_for_storage();
             }

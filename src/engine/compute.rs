@@ -22,30 +22,20 @@ thread_local! {
 }
 
 /// Computes runs until there are no more. A panic makes one run fail and leaves all others unchanged.
-pub(super) trait Engine: Sync {
-    fn compute(&self, runs: &mut dyn Runs);
-}
+pub(super) type Engine<'a> = dyn Fn(&mut dyn Runs) + Sync + 'a;
 
 /// Computes runs one at a time.
-pub(super) struct OneByOne<F>(pub(super) F);
-
-impl<F: Fn(&Case) -> Outcome + Sync> Engine for OneByOne<F> {
-    fn compute(&self, runs: &mut dyn Runs) {
-        quieten_panics_in_runs();
-        while let Some((number, case)) = runs.next() {
-            let outcome = guarded(&case, &self.0);
-            runs.ended(number, outcome);
-        }
+pub(super) fn one_by_one(runs: &mut dyn Runs, simulate: impl Fn(&Case) -> Outcome) {
+    quieten_panics_in_runs();
+    while let Some((number, case)) = runs.next() {
+        let outcome = guarded(&case, &simulate);
+        runs.ended(number, outcome);
     }
 }
 
 /// Computes runs in lockstep.
-pub(super) struct InLockstep(pub(super) SimdLevel);
-
-impl Engine for InLockstep {
-    fn compute(&self, runs: &mut dyn Runs) {
-        together(runs, |runs| simulate_in_lockstep(self.0, runs), simulate);
-    }
+pub(super) fn in_lockstep(runs: &mut dyn Runs) {
+    together(runs, |runs| simulate_in_lockstep(SimdLevel::best(), runs), simulate);
 }
 
 /// Computes runs with `all`. If that panics, each run in progress is computed again with `alone`: the run that

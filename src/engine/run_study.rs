@@ -13,15 +13,15 @@ use std::time::Duration;
 use super::batches::Batches;
 use super::chunk_writer::{new_results, write_chunks};
 use super::command_error::CommandError;
-use super::compute::{Engine, InLockstep, OneByOne};
+use super::compute::{Engine, in_lockstep, one_by_one};
 use super::stop::{StopCondition, StopReason, with_grace_period};
 use super::store::{ChunkIndex, NewResult, ResultCache, Store};
 use super::worker::{RunQueue, Storage};
 use super::{EngineOptions, Progress, WorkerPool};
 use crate::analysis::{FailureCounts, LabelCounts, PointAccumulator};
-use crate::classification::Outcome;
+use crate::classification::{Outcome, Runs};
 use crate::model::{Case, Model, Simulation};
-use crate::motion::{Cancellation, SimdLevel};
+use crate::motion::Cancellation;
 use crate::study::{Plan, Study};
 use crate::table::{Manifest, PointRow, ResponseSamples, RunRecord, Sink, WriteError};
 
@@ -70,8 +70,7 @@ pub fn run_study<S: Sink>(
     store: Option<&mut Store>,
     sink: &mut S,
 ) -> Result<RunTotals, CommandError> {
-    let engine = InLockstep(SimdLevel::best());
-    StudyRun::new(study, options, stop, progress).run(&engine, store, sink)
+    StudyRun::new(study, options, stop, progress).run(&in_lockstep, store, sink)
 }
 
 /// Computes a study like [`run_study`], but simulates each case with the given function.
@@ -87,7 +86,8 @@ pub fn run_study_with<S: Sink>(
     store: Option<&mut Store>,
     sink: &mut S,
 ) -> Result<RunTotals, CommandError> {
-    StudyRun::new(study, options, stop, progress).run(&OneByOne(simulate), store, sink)
+    let engine = |runs: &mut dyn Runs| one_by_one(runs, &simulate);
+    StudyRun::new(study, options, stop, progress).run(&engine, store, sink)
 }
 
 /// The computation of a study.
@@ -117,7 +117,7 @@ impl<'a> StudyRun<'a> {
 
     fn run<S: Sink>(
         &self,
-        engine: &impl Engine,
+        engine: &Engine<'_>,
         store: Option<&mut Store>,
         sink: &mut S,
     ) -> Result<RunTotals, CommandError> {
@@ -129,18 +129,18 @@ impl<'a> StudyRun<'a> {
     fn run_under<S: Sink>(
         &self,
         cancellation: &Cancellation,
-        engine: &impl Engine,
+        engine: &Engine<'_>,
         store: Option<&mut Store>,
         sink: &mut S,
     ) -> Result<RunTotals, CommandError> {
-        let Some(Store { appender, chunk_index, result_cache, .. }) = store else {
+        let Some(Store { output, chunk_index, result_cache, .. }) = store else {
             return self.compute_all(cancellation, engine, None, sink);
         };
         let (new_results, finished) = new_results();
         let (stop_condition, chunk) = (&self.stop_condition, self.options.chunk);
         thread::scope(|scope| {
             let writer =
-                scope.spawn(move || write_chunks(appender, &finished, chunk, stop_condition));
+                scope.spawn(move || write_chunks(output, &finished, chunk, stop_condition));
             let reading = Some(StoreReader { chunk_index, result_cache, new_results });
             let totals = self.compute_all(cancellation, engine, reading, sink);
             // The writer is not expected to panic; a panic is a fault of the program.
@@ -152,7 +152,7 @@ impl<'a> StudyRun<'a> {
     fn compute_all<S: Sink>(
         &self,
         cancellation: &Cancellation,
-        engine: &impl Engine,
+        engine: &Engine<'_>,
         mut disk: Option<StoreReader<'_>>,
         sink: &mut S,
     ) -> Result<RunTotals, CommandError> {

@@ -8,11 +8,11 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use super::EngineOptions;
-use super::compute::{Engine, InLockstep};
+use super::compute::{Engine, in_lockstep};
 use super::stop::{StopCondition, with_grace_period};
 use super::worker::{RunQueue, Worker};
 use crate::classification::Label;
-use crate::motion::{Cancellation, SimdLevel};
+use crate::motion::Cancellation;
 use crate::study::Plan;
 use crate::table::RunRecord;
 
@@ -90,10 +90,9 @@ impl WorkerPool {
             finished,
             disk: None,
         };
-        let engine = InLockstep(SimdLevel::best());
         let is_over = || stop.load(Ordering::Relaxed);
         let runs = with_grace_period(is_over, |cancellation| {
-            self.install(|| self.compute(cancellation, &engine, &queue))
+            self.install(|| self.compute(cancellation, &in_lockstep, &queue))
         });
         if runs.len() < queue.runs.len() {
             return None;
@@ -107,7 +106,7 @@ impl WorkerPool {
     pub(super) fn compute(
         &self,
         cancellation: &Cancellation,
-        engine: &impl Engine,
+        engine: &Engine<'_>,
         batch: &RunQueue<'_>,
     ) -> Vec<RunRecord> {
         let mut finished: Vec<(u64, RunRecord)> = (0..self.threads)
@@ -115,7 +114,7 @@ impl WorkerPool {
             .with_max_len(1)
             .flat_map_iter(|_| {
                 let mut work = Worker::new(batch);
-                let computed = cancellation.unless_cancelled(|| engine.compute(&mut work));
+                let computed = cancellation.unless_cancelled(|| engine(&mut work));
                 if computed.is_none() {
                     batch.stop_condition.abandon(work.in_progress());
                 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::StoreError;
-use super::chunk::Chunk;
+use super::chunk::{Chunk, NewResult, chunk_bytes};
 use crate::classification::MODEL_VERSION;
 use crate::engine::say;
 use crate::sanitize::shown_path;
@@ -51,10 +51,10 @@ pub struct ListedChunk {
 
 /// The chunks of one study in one directory.
 #[derive(Clone, Debug)]
-pub(super) struct Folder {
+pub(in crate::engine) struct Folder {
     path: PathBuf,
     /// The hash of the study, or its first digits.
-    study_hash: String,
+    pub(super) study_hash: String,
     /// Whether this process holds the lock of the directory.
     ours: bool,
     /// Whether another process may be writing to the folder.
@@ -215,24 +215,24 @@ impl Folder {
         let _ = free.map(|name| fs::rename(&path, name));
     }
 
-    /// Writes a chunk and adds it to the list.
+    /// Writes these runs, in ascending order, as a chunk and adds it to the list; they are on disk when the function
+    /// returns.
     ///
     /// # Errors
-    /// Returns an error if the chunk cannot be written.
-    pub fn add(&mut self, bytes: &[u8], run_ids: &[u64]) -> Result<(), StoreError> {
-        let (Some(&first_run), Some(&last_run)) = (run_ids.first(), run_ids.last()) else {
-            return Ok(());
-        };
+    /// Returns [`StoreError::Unwritten`] if the chunk cannot be written.
+    pub fn append(&mut self, runs: &[NewResult]) -> Result<(), StoreError> {
+        let (Some(first), Some(last)) = (runs.first(), runs.last()) else { return Ok(()) };
+        let bytes = chunk_bytes(&self.study_hash, runs);
         let chunk = self.next;
         let path = self.file(chunk);
         let listed = ListedChunk {
             chunk,
             model_version: MODEL_VERSION,
-            first_run,
-            last_run,
-            runs: run_ids.len() as u64,
+            first_run: first.run_id,
+            last_run: last.run_id,
+            runs: runs.len() as u64,
             bytes: bytes.len() as u64,
-            sha256: sha256(bytes),
+            sha256: sha256(&bytes),
         };
         let temporary = path.with_added_extension("partial");
         let write = || -> io::Result<()> {
@@ -244,7 +244,7 @@ impl Folder {
                 _ => {}
             }
             let mut file = File::create_new(&temporary)?;
-            file.write_all(bytes)?;
+            file.write_all(&bytes)?;
             file.sync_all()?;
             self.list(&listed)?;
             fs::rename(&temporary, &path)?;

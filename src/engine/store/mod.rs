@@ -26,8 +26,7 @@ pub use folder::ListedChunk;
 pub(super) use result_cache::ResultCache;
 pub use store_error::StoreError;
 
-use self::chunk::chunk_bytes;
-use self::folder::Folder;
+pub(super) use self::folder::Folder;
 pub use self::lock::Lock;
 use crate::study::Study;
 use crate::table::{ResultsError, make_directory, make_inside, sync_directory};
@@ -56,7 +55,8 @@ fn folder_of(directory: &Path, study_hash: &str, shared: bool) -> Result<Folder,
 /// [`Store::open_shared`].
 #[derive(Debug)]
 pub struct Store {
-    pub(super) appender: ChunkAppender,
+    /// The folder to which new chunks are added.
+    pub(super) output: Folder,
     pub(super) chunk_index: ChunkIndex,
     pub(super) result_cache: ResultCache,
     /// `None` of a store for reading.
@@ -91,10 +91,10 @@ impl Store {
             Folder::open(path, &hash, true, false)
         };
         let others: Result<Vec<Folder>, StoreError> = others.into_iter().map(open).collect();
-        let folder = Folder::open(here, &study_hash, true, false)?;
+        let output = Folder::open(here, &study_hash, true, false)?;
         Ok(Store {
-            chunk_index: ChunkIndex::new(folder.clone()),
-            appender: ChunkAppender { folder, study_hash },
+            chunk_index: ChunkIndex::new(output.clone()),
+            output,
             result_cache: ResultCache::of(others?),
             lock: Some(lock),
         })
@@ -106,11 +106,10 @@ impl Store {
     /// # Errors
     /// Returns [`StoreError::Unusable`] if the list of chunks cannot be read.
     pub fn open_shared(directory: &Path, study: &Study) -> Result<Self, StoreError> {
-        let study_hash = study.hash();
-        let folder = folder_of(directory, &study_hash, true)?;
+        let output = folder_of(directory, &study.hash(), true)?;
         Ok(Store {
-            chunk_index: ChunkIndex::new(folder.clone()),
-            appender: ChunkAppender { folder, study_hash },
+            chunk_index: ChunkIndex::new(output.clone()),
+            output,
             result_cache: ResultCache::of(Vec::new()),
             lock: None,
         })
@@ -121,7 +120,7 @@ impl Store {
     /// # Errors
     /// Returns [`StoreError::Unusable`] if the list cannot be read.
     pub fn add_shard(&mut self, directory: &Path) -> Result<u64, StoreError> {
-        let folder = folder_of(directory, &self.appender.study_hash, false)?;
+        let folder = folder_of(directory, &self.output.study_hash, false)?;
         let runs = folder.runs();
         self.chunk_index.folders.push(folder);
         Ok(runs)
@@ -148,23 +147,5 @@ impl Store {
     /// Whether another study has finished this run, so that it need not be computed.
     pub fn can_reuse(&self, study: &Study, run_id: u64) -> bool {
         self.result_cache.find(CaseKey::of(&study.planned_run(run_id))).is_some()
-    }
-}
-
-/// Writes chunks of a study.
-#[derive(Debug)]
-pub(super) struct ChunkAppender {
-    folder: Folder,
-    study_hash: String,
-}
-
-impl ChunkAppender {
-    /// Writes these runs, in ascending order, as a chunk; they are on disk when the function returns.
-    ///
-    /// # Errors
-    /// Returns [`StoreError::Unwritten`] if the chunk cannot be written.
-    pub fn append(&mut self, runs: &[NewResult]) -> Result<(), StoreError> {
-        let run_ids: Vec<u64> = runs.iter().map(|run| run.run_id).collect();
-        self.folder.add(&chunk_bytes(&self.study_hash, runs), &run_ids)
     }
 }
