@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 
-use super::exit::CliError;
+use super::output::CliError;
 use crate::check::warnings;
 use crate::engine::{EngineOptions, ProgressDisplay, Shard, WorkerPool, say};
 use crate::study::{Study, StudyError};

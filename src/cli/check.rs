@@ -5,15 +5,13 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::StudyArgument;
-use super::check_machine::{machine_json, machine_text};
+use super::check_machine::{machine_json, machine_text, system_text};
 use super::check_points::ClosedForms;
 use super::check_run_up::run_ups_of;
-use super::check_system::system_text;
 use super::cost::Cost;
 use super::design_cost::{design_cost, identify_cost};
 use super::existence::Existence;
-use super::exit::{CliError, End};
-use super::output::print_result;
+use super::output::{CliError, End, print_result};
 use crate::check::{ExaminedDesign, points_to_examine, warnings};
 use crate::engine::say;
 use crate::model::{Endings, Extend, Method};

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::exit::{CliError, End};
-use super::output::print_result;
+use super::output::{CliError, End, print_result};
 use super::points_table::MOST_LINES;
 use crate::analysis::Estimate;
 use crate::engine::{ReadableResults, readable_results};

@@ -3,8 +3,7 @@
 use clap::Args;
 use clap_complete::{Shell, generate};
 
-use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{CliError, End, print};
 
 const EXAMPLES: &str = "\
 Examples:

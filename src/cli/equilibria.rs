@@ -10,8 +10,7 @@ use serde_json::json;
 
 use super::arguments::{StudyArgument, ThreadsArgument, parsed, results_directory};
 use super::equilibria_report::EquilibriaReport;
-use super::exit::{CliError, End};
-use super::output::print_result;
+use super::output::{CliError, End, print_result};
 use super::range::{EvenRange, speeds};
 use crate::analysis::{
     EquilibriumSet, FEWEST_GRID_POINTS, FrictionlessEquilibrium, MOST_BALL_DAMPING, REPLICATES,

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::point_words::point_words;
+use super::result_lines::point_words;
 use crate::check::points_to_examine;
 use crate::model::{ExistenceVerdict, Machine, SAFE_FRICTION};
 use crate::responses::point_keys;

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::StudyArgument;
-use super::exit::{CliError, End};
 use super::new_table::NewTable;
-use super::output::{OutputReader, csv_header, csv_rows, print};
+use super::output::{CliError, End, OutputReader, csv_header, csv_rows, print};
 use crate::engine::Shard;
 use crate::study::PlannedRun;
 use crate::table::column::Columns;

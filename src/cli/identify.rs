@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{StudyArgument, ThreadsArgument, results_directory};
-use super::exit::{CliError, End};
-use super::output::print_result;
+use super::output::{CliError, End, print_result};
 use crate::engine::{ProgressDisplay, say, stop_on_signals};
 use crate::identify::Identify;
 use crate::numbers::counted;

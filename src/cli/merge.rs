@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::arguments::{EngineArguments, results_directory};
-use super::exit::{CliError, End};
+use super::output::{CliError, End};
 use super::run::carry_out;
 use crate::engine::{OutputDir, Shard, results_study};
 use crate::sanitize::shell_word;

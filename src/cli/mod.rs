@@ -1,9 +1,9 @@
 //! The command line: each command has its own file. This file calls the command and sets the exit code.
 //!
-//! Read `exit` and `output` first: how a command ends and prints. `arguments` and `range` are arguments that commands
+//! Read `output` first: how a command ends and prints. `arguments` and `range` are arguments that commands
 //! share.
 //!
-//! Each other file is a command or a part of one. `check_machine`, `check_system`, `check_points`, `check_run_up`,
+//! Each other file is a command or a part of one. `check_machine`, `check_points`, `check_run_up`,
 //! `existence` and `design_cost` are parts of `check`. `run_on_engine` computes a study for `run`, `resume`, `merge` and
 //! `verify`. `summary`, `report`, `compare`, `equilibria` and `replay` need results or closed forms only, and `evaluate`,
 //! `optimize` and `identify` evaluate designs. `new`, `expand`, `schema` and `completions` help to write studies and
@@ -15,7 +15,6 @@ mod check_legend;
 mod check_machine;
 mod check_points;
 mod check_run_up;
-mod check_system;
 mod compare;
 mod completions;
 mod cost;
@@ -23,23 +22,20 @@ mod design_cost;
 mod equilibria;
 mod equilibria_report;
 mod evaluate;
-mod evaluate_server;
 mod existence;
-mod exit;
 mod expand;
-mod failures;
 mod identify;
 mod merge;
 mod new;
 mod new_table;
 mod optimize;
 mod output;
-mod point_words;
 mod points_table;
 mod range;
 mod replay;
 mod replay_text;
 mod report;
+mod result_lines;
 mod resume;
 mod run;
 mod run_on_engine;
@@ -53,8 +49,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 pub use check::check_json;
-pub use exit::{CliError, End};
-pub use output::print_message;
+pub use output::{CliError, End, print_message};
 pub use points_table::{MOST_LINES, PointsTable};
 
 use crate::engine::{say, show_messages, survive_file_size_limit};

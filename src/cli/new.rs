@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{CliError, End, print};
 use crate::engine::say;
 use crate::sanitize::shell_word;
 use crate::study::Template;

@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::exit::CliError;
-use super::output::{csv_header, csv_rows};
+use super::output::{CliError, csv_header, csv_rows};
 use crate::table::column::Column;
 use crate::table::{TableFiles, TableWriter, WriteError, temporary_file};
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::point_words::point_line;
+use super::result_lines::point_line;
 use crate::analysis::AuditCounts;
 use crate::classification::Label;
 use crate::numbers::counted;

@@ -7,8 +7,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::parsed;
-use super::exit::{CliError, End};
-use super::output::print_result;
+use super::output::{CliError, End, print_result};
 use super::range::{EvenRange, times};
 use super::replay_text::{ending, switch_log, terminal_text};
 use crate::engine::{results_study, say};

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::exit::{CliError, End};
-use super::output::print;
+use super::output::{CliError, End, print};
 use crate::report::write_report;
 
 const EXAMPLES: &str = "\

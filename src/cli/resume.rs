@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::arguments::EngineArguments;
-use super::exit::{CliError, End};
+use super::output::{CliError, End};
 use super::run::carry_out;
 use crate::engine::{OutputDir, Shard, begun_study};
 use crate::table::{Manifest, ResultsError};

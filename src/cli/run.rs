@@ -6,10 +6,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::arguments::{EngineArguments, StudyArgument, results_directory};
-use super::exit::{CliError, End};
-use super::failures::{failed_runs, failure_line};
-use super::output::print_result;
+use super::output::{CliError, End, print_result};
 use super::points_table::{MOST_LINES, PointsTable};
+use super::result_lines::{failed_runs, failure_line};
 use super::run_on_engine::run_on_engine;
 use crate::engine::{EngineOptions, OutputDir, PreparedDirectory, Shard, say};
 use crate::numbers::counted;

@@ -5,10 +5,9 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::arguments::EngineArguments;
-use super::exit::{CliError, End};
-use super::failures::failure_line;
-use super::output::print_result;
+use super::output::{CliError, End, print_result};
 use super::points_table::{MOST_LINES, PointsTable};
+use super::result_lines::failure_line;
 use crate::analysis::PointDetail;
 use crate::classification::Label;
 use crate::engine::{

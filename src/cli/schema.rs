@@ -2,8 +2,7 @@
 
 use clap::Args;
 
-use super::exit::{CliError, End};
-use super::output::print_json;
+use super::output::{CliError, End, print_json};
 use crate::study::json_schema;
 
 const EXAMPLES: &str = "\

@@ -6,10 +6,9 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use super::arguments::parsed;
-use super::exit::{CliError, End};
-use super::failures::{failed_runs, kinds_of_failure};
-use super::output::{OutputReader, csv_line, print, print_json};
+use super::output::{CliError, End, OutputReader, csv_line, print, print_json};
 use super::points_table::{MOST_LINES, PointsTable};
+use super::result_lines::{failed_runs, kinds_of_failure};
 use crate::engine::{ReadableResults, how_to_continue, readable_results, say};
 use crate::numbers::counted;
 use crate::report::IncompletePoints;

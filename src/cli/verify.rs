@@ -6,9 +6,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::{EngineArguments, StudyArgument};
-use super::exit::{CliError, End};
-use super::output::print;
-use super::point_words::point_words;
+use super::output::{CliError, End, print};
+use super::result_lines::point_words;
 use super::run_on_engine::run_on_engine;
 use crate::analysis::PointDetail;
 use crate::classification::Label;

@@ -16,7 +16,7 @@ use super::command_error::CommandError;
 use super::compute::{Engine, in_lockstep, one_by_one};
 use super::stop::{StopCondition, StopReason, with_grace_period};
 use super::store::{ChunkIndex, NewResult, ResultCache, Store};
-use super::worker::{RunQueue, Storage};
+use super::worker_pool::{RunQueue, Storage};
 use super::{EngineOptions, Progress, WorkerPool};
 use crate::analysis::{FailureCounts, LabelCounts, PointAccumulator};
 use crate::classification::{Outcome, Runs};

@@ -1,13 +1,50 @@
-//! The conditions under which a study stops before all its runs have finished, and the grace period of runs in
-//! progress.
+//! How a study is computed, and what stops it before all its runs have finished: signals, a time limit or failures. The first
+//! Ctrl-C or SIGTERM lets runs finish for a second, the second one ends the program. A file size limit becomes a write error.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{io, thread};
 
-use super::EngineOptions;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use super::Shard;
+use super::message::say;
 use crate::motion::Cancellation;
+
+/// How a study is computed. No option changes a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EngineOptions {
+    /// Number of worker threads; at least one is used.
+    pub threads: usize,
+    /// Number of runs in one part of a batch and in one chunk file; at least one.
+    pub chunk: usize,
+    /// The part of the study to compute.
+    pub shard: Shard,
+    /// The time from which no further run begins; runs in progress are abandoned a second later.
+    pub deadline: Option<Instant>,
+    /// The number of failed runs above which no further run begins; no limit if `None`.
+    pub most_failed: Option<u64>,
+    /// Whether failed runs are computed again, from the same case.
+    pub retry_failed: bool,
+}
+
+impl Default for EngineOptions {
+    /// Returns options for the whole study on one thread, without limits.
+    fn default() -> Self {
+        let (deadline, most_failed, retry_failed) = (None, None, false);
+        EngineOptions {
+            threads: 1,
+            chunk: 1024,
+            shard: Shard::WHOLE,
+            deadline,
+            most_failed,
+            retry_failed,
+        }
+    }
+}
 
 /// Why a study stopped before all its runs were finished. Runs in progress were finished or, after a second,
 /// abandoned.
@@ -128,4 +165,33 @@ pub(super) fn with_grace_period<T>(
         drop(working);
         result
     })
+}
+
+/// Exit code after an interruption.
+const INTERRUPTED: i32 = 130;
+
+/// Returns a flag that Ctrl-C and SIGTERM set; a second signal ends the program with exit code 130. Warns if the operating system
+/// refuses the handlers.
+pub fn stop_on_signals() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        // The order matters: only the second signal may find the flag set.
+        let handled = flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&stop))
+            .and_then(|_| flag::register(signal, Arc::clone(&stop)));
+        if let Err(error) = handled {
+            say(&format!("warning: cannot handle Ctrl-C: {error}"));
+        }
+    }
+    stop
+}
+
+/// Makes a write above the file size limit (`ulimit -f`) fail like one to a full disk. By default its signal,
+/// SIGXFSZ, ends the program without a message.
+///
+/// # Errors
+/// Returns an error if the operating system refuses the handler.
+pub fn survive_file_size_limit() -> io::Result<()> {
+    #[cfg(unix)]
+    flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
+    Ok(())
 }

@@ -1,11 +1,19 @@
-//! `equilibrium_positions.parquet` with one row per position of the balls, and
-//! `equilibrium_set_summary.parquet` with one row per point of the sweep.
+//! The output directory of `stickslip equilibria`: `equilibrium_positions.parquet` with one row per position of the balls,
+//! `equilibrium_set_summary.parquet` with one row per point of the sweep, and `frictionless_equilibria.parquet` with the
+//! equilibria without dry friction and their stability.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use serde_json::Value;
+
 use super::column::{Column, Columns};
-use super::point_key::{PointKey, add_point};
-use crate::analysis::{AtRest, Balance, EquilibriumSet};
+use super::file_list::FileList;
+use super::of_point::{PointKey, add_point};
+use super::provenance::provenance_with;
+use super::table_files::TableFiles;
+use super::writer::{TableWriter, WriteError};
+use crate::analysis::{AtRest, Balance, EquilibriumSet, FrictionlessEquilibrium};
 use crate::model::MAX_BALLS;
 use crate::study::Study;
 
@@ -122,4 +130,151 @@ pub fn set_summary_columns(study: &Study) -> Vec<Column<SetSummaryRow>> {
         );
     }
     list.finish()
+}
+
+/// A frictionless equilibrium at a point of the sweep or at a speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrictionlessRow {
+    /// The point of the sweep; at given speeds, an empty point.
+    pub point: Arc<PointKey>,
+    /// Speed of the disc, rad/s.
+    pub speed_rad_s: f64,
+    /// The equilibrium.
+    pub equilibrium: FrictionlessEquilibrium,
+}
+
+impl FrictionlessRow {
+    /// Returns the key of a speed that is not a point of the sweep.
+    pub fn no_point() -> Arc<PointKey> {
+        Arc::new(PointKey { point_id: 0, swept: Vec::new() })
+    }
+}
+
+/// Returns the columns of `frictionless_equilibria.parquet`, with the swept parameters, or with the
+/// speed alone for `own_speeds`.
+pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<FrictionlessRow>> {
+    let mut list = Columns::<FrictionlessRow>::new();
+    if !own_speeds {
+        add_point(&mut list, study, |row| &row.point);
+    }
+    let speed = "speed_rad_s";
+    if own_speeds || study.swept().iter().all(|column| column.name != speed) {
+        list.number(speed, "rad/s", |row| row.speed_rad_s)
+            .meaning("speed of the disc; a negative speed is clockwise");
+    }
+    list.word("kind", |row| row.equilibrium.kind.name()).meaning(
+        "kind: a1_plus and a1_minus (all balls together), a2 (two balls opposite each other), b1 \
+         (balanced), other (balls on one line), everywhere (the disc is at rest)",
+    );
+    for ball in 0..study.model().balls() {
+        list.number(format!("beta_{}_rad", ball + 1), "rad", move |row| {
+            row.equilibrium.beta_rad.as_ref()?.get(ball).copied()
+        })
+        .meaning(
+            "angle of the ball from the imbalance, in [0, 2π), in ascending order for identical \
+             balls; for a family, one position",
+        );
+    }
+    list.number("x_m", "m", |row| row.equilibrium.position_m[0])
+        .meaning("position of the disc's centre towards the imbalance");
+    list.number("y_m", "m", |row| row.equilibrium.position_m[1])
+        .meaning("position of the disc's centre perpendicular to x");
+    list.number("amplitude_m", "m", |row| row.equilibrium.amplitude_m())
+        .meaning("amplitude of the table's vibration");
+    list.count("family_dimension", |row| row.equilibrium.family_dimension as u64)
+        .meaning("dimension of the family of equilibria that it belongs to; 0 if isolated");
+    list.word("stability", |row| row.equilibrium.stability.name()).meaning(
+        "stable, unstable, marginal or unknown, from the linearised equations with viscous drag on \
+         the balls, excluding the directions along a family",
+    );
+    for index in 0..2 * (2 + study.model().balls()) {
+        let number = index + 1;
+        list.number(format!("eigenvalue_{number}_real_per_s"), "1/s", move |row| {
+            row.equilibrium.eigenvalues_per_s.get(index).map(|value| value.re)
+        })
+        .meaning("growth rate of a small disturbance, in descending order");
+        list.number(format!("eigenvalue_{number}_imag_rad_s"), "rad/s", move |row| {
+            row.equilibrium.eigenvalues_per_s.get(index).map(|value| value.im)
+        })
+        .meaning("angular frequency of that disturbance in the rotating frame");
+    }
+    list.finish()
+}
+
+/// The content of the directory.
+#[derive(Clone, Debug)]
+pub struct EquilibriumFiles {
+    /// Whether `equilibrium_positions.parquet` is written, which is large.
+    pub positions: bool,
+    /// Whether the frictionless equilibria are computed at given speeds instead of the points of
+    /// the sweep.
+    pub own_speeds: bool,
+    /// The options that determine the tables, for their metadata.
+    pub options: Value,
+}
+
+/// The tables, open for writing.
+pub struct EquilibriumTables {
+    directory: PathBuf,
+    /// `equilibrium_positions.parquet`, if it is written.
+    pub positions: Option<TableWriter<SetRow, TableFiles>>,
+    /// `equilibrium_set_summary.parquet`.
+    pub sets: TableWriter<SetSummaryRow, TableFiles>,
+    /// `frictionless_equilibria.parquet`.
+    pub frictionless: TableWriter<FrictionlessRow, TableFiles>,
+}
+
+impl EquilibriumFiles {
+    /// Returns the names of the tables.
+    pub fn names(&self) -> Vec<&'static str> {
+        let set = self.positions.then_some("equilibrium_positions.parquet");
+        set.into_iter()
+            .chain(["equilibrium_set_summary.parquet", "frictionless_equilibria.parquet"])
+            .collect()
+    }
+
+    /// Starts the tables in a directory.
+    ///
+    /// # Errors
+    /// Returns an error if the directory is not writable.
+    pub fn create(&self, directory: &Path, study: &Study) -> Result<EquilibriumTables, WriteError> {
+        let positions = self.positions.then(|| {
+            self.create_table(directory, study, "equilibrium_positions", set_columns(study))
+        });
+        let (summary, frictionless) = ("equilibrium_set_summary", "frictionless_equilibria");
+        let columns = frictionless_columns(study, self.own_speeds);
+        Ok(EquilibriumTables {
+            directory: directory.to_owned(),
+            positions: positions.transpose()?,
+            sets: self.create_table(directory, study, summary, set_summary_columns(study))?,
+            frictionless: self.create_table(directory, study, frictionless, columns)?,
+        })
+    }
+
+    fn create_table<R>(
+        &self,
+        directory: &Path,
+        study: &Study,
+        name: &str,
+        columns: Vec<Column<R>>,
+    ) -> Result<TableWriter<R, TableFiles>, WriteError> {
+        let path = directory.join(format!("{name}.parquet"));
+        TableWriter::create(&path, columns, &provenance_with(study, name, &self.options))
+    }
+}
+
+impl EquilibriumTables {
+    /// Finishes all tables and adds their files to the list of the directory. No existing table is
+    /// replaced.
+    ///
+    /// # Errors
+    /// Returns an error if a file cannot be written, or if its name is taken.
+    pub fn finish(self, list: &mut FileList) -> Result<(), WriteError> {
+        let directory = self.directory.as_path();
+        if let Some(positions) = self.positions {
+            positions.finish_after(false, |files| list.announce(directory, files))?;
+        }
+        self.sets.finish_after(false, |files| list.announce(directory, files))?;
+        self.frictionless.finish_after(false, |files| list.announce(directory, files))
+    }
 }

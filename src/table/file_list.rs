@@ -4,18 +4,16 @@
 //! If the process is killed at any time, the file on disk therefore matches one of the two entries.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io;
 use std::path::Path;
+use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
 
-use super::atomic_files::{write_atomically, write_once};
 use super::column::Column;
-use super::file_entry::{FileEntry, read_regular};
+use super::durable_files::{write_atomically, write_once};
+use super::file_entry::{FileEntry, ListedFiles, is_file_name, read_regular};
 use super::provenance::FORMAT;
 use super::table_error::TableError;
-use super::verified_files::{ListedFiles, is_file_name};
 use super::writer::{TableWriter, WriteError};
 use crate::sanitize::shorten;
 use crate::tabular::Fault;

@@ -7,12 +7,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-use super::atomic_files::write_atomically;
-use super::file_entry::{FileEntry, read_regular};
+use super::durable_files::write_atomically;
+use super::file_entry::{FileEntry, ListedFiles, is_file_name, read_regular};
 use super::provenance::{COMMIT, FORMAT, VERSION};
 use super::shard::Shard;
 use super::table_error::TableError;
-use super::verified_files::{ListedFiles, is_file_name};
 use crate::analysis::{FailureCounts, LabelCounts};
 use crate::classification::{Label, MODEL_VERSION};
 use crate::motion::SimdLevel;

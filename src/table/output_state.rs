@@ -1,11 +1,10 @@
 //! The state of an output directory before a run. A file counts as a result only if it is, byte for
 //! byte, what stickslip has written or would write.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
-use super::atomic_files::final_name;
+use super::durable_files::final_name;
 use super::file_entry::{FileEntry, has_content, short_hash};
 use super::manifest::{MANIFEST, Manifest};
 use super::provenance::{FORMAT, VERSION};

@@ -2,8 +2,8 @@
 
 use super::column::{Column, Columns, read_into};
 use super::estimate::add_estimate;
-use super::response_samples::ResponseSamples;
 use super::row::Row;
+use super::run_record::ResponseSamples;
 use super::runs::add_swept;
 use crate::analysis::{
     Estimate, HalfWidths, IntervalMethod, PointSummary, ResidualVibration, set_fraction,

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::atomic_files::{clear_temporaries, write_once};
-use super::durable_directories::make_directory;
+use super::durable_files::{clear_temporaries, make_directory, write_once};
 use super::file_entry::FileEntry;
 use super::manifest::{MANIFEST, Manifest};
 use super::study_tables::{DATA_FILES, STUDY, StudyTables};

@@ -7,8 +7,7 @@ use arrow_array::types::UInt64Type;
 use arrow_array::{Array, RecordBatch};
 use arrow_schema::ArrowError;
 
-use super::cell::cell_text;
-use super::column::batch;
+use super::column::{batch, cell_text};
 use super::manifest::Manifest;
 use super::read::open;
 use super::run_record::RunRecord;

@@ -5,18 +5,16 @@ use std::convert::Infallible;
 use arrow_schema::SchemaRef;
 
 use super::column::{Column, schema};
-use super::cycles::{CycleRow, cycle_columns};
 use super::equilibria::{EquilibriumRow, equilibrium_columns};
-use super::equilibrium_histogram::{HistogramRow, histogram_columns};
-use super::memory_table::{MemoryRows, MemoryTable};
-use super::point_key::PointKey;
+use super::of_point::{
+    CycleRow, HistogramRow, PointKey, RestRow, cycle_columns, histogram_columns, rest_columns,
+};
 use super::points::{PointRow, point_columns};
 use super::provenance::provenance;
 use super::run_record::RunRecord;
 use super::runs::run_columns;
 use super::stages::{StageRow, stage_columns};
-use super::time_to_rest::{RestRow, rest_columns};
-use super::writer::{Destination, TableWriter, WriteError};
+use super::writer::{Destination, MemoryRows, MemoryTable, TableWriter, WriteError};
 use crate::analysis::PointDetail;
 use crate::study::Study;
 

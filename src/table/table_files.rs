@@ -1,10 +1,9 @@
 //! The files of a table: Parquet, written in parts with constant memory.
 
 use std::fs::{self, File};
-use std::io;
-use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::{io, mem};
 
 use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
@@ -13,8 +12,8 @@ use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
-use super::atomic_files::taken;
 use super::column::{Column, schema};
+use super::durable_files::taken;
 use super::file_entry::FileEntry;
 use super::unfinished_table::{UnfinishedTable, part_name};
 use super::writer::{BLOCK, Destination, TableWriter, WriteError};

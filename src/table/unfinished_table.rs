@@ -7,14 +7,12 @@
 //! directory. If two processes write the same table, the last one gives it the name, and each table
 //! is complete. The temporary directory is removed when the value is dropped.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use tempfile::TempDir;
 
-use super::atomic_files::{parent, temporary_directory};
-use super::durable_directories::sync_directory;
+use super::durable_files::{parent, sync_directory, temporary_directory};
 use crate::sanitize::shorten;
 
 /// The folder of the parts in the temporary directory.

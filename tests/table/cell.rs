@@ -9,7 +9,7 @@ use arrow::array::{
 };
 use arrow::datatypes::Int32Type;
 use arrow::util::display::{ArrayFormatter, FormatOptions};
-use stickslip::table::cell::cell_text;
+use stickslip::table::column::cell_text;
 
 /// Compares with arrow's CSV writer.
 #[test]

@@ -6,14 +6,13 @@
 //! found are computed and stored.
 //!
 //! Read `chunk` first: one finished run, and a file of such runs. `folder` has the chunks of one study with their list.
-//! `chunk_index` and `result_cache` find runs by their numbers and by their cases, and `lock` keeps other processes
-//! away. [`Store`] combines them.
+//! `chunk_index` finds runs by their numbers and by their cases, and `lock` keeps other processes away. [`Store`] combines
+//! them.
 
 mod chunk;
 mod chunk_index;
 mod folder;
 mod lock;
-mod result_cache;
 mod store_error;
 
 use std::fs;
@@ -21,9 +20,8 @@ use std::path::{Path, PathBuf};
 
 pub(super) use chunk::{CaseKey, NewResult, StoredOutcome};
 pub use chunk::{Chunk, ChunkFault};
-pub(super) use chunk_index::{ChunkIndex, StoredResult};
+pub(super) use chunk_index::{ChunkIndex, ResultCache, StoredResult};
 pub use folder::ListedChunk;
-pub(super) use result_cache::ResultCache;
 pub use store_error::StoreError;
 
 pub(super) use self::folder::Folder;

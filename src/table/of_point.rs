@@ -1,11 +1,128 @@
-//! `cycles.parquet`: the limit cycles, with one row per point of the sweep and class of cycles.
+//! Tables with any number of rows per point of the sweep, and the columns that identify the point: `time_to_rest.parquet`,
+//! `equilibrium_histogram.parquet` and `cycles.parquet`.
 
 use super::column::{Column, Columns};
-use super::point_key::{OfPoint, add_point};
-use super::runs::class_meaning;
-use crate::analysis::CycleGroup;
+use super::runs::{add_swept, class_meaning};
+use crate::analysis::{CycleGroup, HistogramBin, RestStep, bin_edges};
 use crate::model::Model;
-use crate::study::Study;
+use crate::study::{ParameterValue, Point, Study};
+
+/// The point of the sweep that a row belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointKey {
+    /// Number of the point, from 0.
+    pub point_id: u64,
+    /// Values of the swept parameters, in the order of [`crate::study::Plan::swept`].
+    pub swept: Vec<ParameterValue>,
+}
+
+impl PointKey {
+    /// Returns the key of a point.
+    pub fn of(point: &Point) -> Self {
+        PointKey { point_id: point.point_id, swept: point.swept.clone() }
+    }
+}
+
+/// A row of a table that has any number of rows for each point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OfPoint<T> {
+    /// The point.
+    pub point: PointKey,
+    /// The other values of the row.
+    pub value: T,
+}
+
+impl<T> OfPoint<T> {
+    /// Creates a row of a point.
+    pub fn new(point: &PointKey, value: T) -> Self {
+        OfPoint { point: point.clone(), value }
+    }
+}
+
+/// Adds the columns that identify the point of the sweep; `point` gets it from a row.
+pub(crate) fn add_point<R: 'static>(
+    list: &mut Columns<R>,
+    study: &Study,
+    point: impl Fn(&R) -> &PointKey + Copy + Send + Sync + 'static,
+) {
+    list.point_id(move |row| point(row).point_id);
+    add_swept(list, study, move |row| &point(row).swept);
+}
+
+/// The state of a point's curve at a time.
+pub type RestRow = OfPoint<RestStep>;
+
+/// Returns the columns of `time_to_rest.parquet`.
+pub fn rest_columns(study: &Study) -> Vec<Column<RestRow>> {
+    let mut list = Columns::new();
+    add_point(&mut list, study, |row: &RestRow| &row.point);
+    list.number("time_s", "s", |row| row.value.time_s).meaning("simulated time");
+    list.count("at_risk", |row| row.value.at_risk).meaning(
+        "runs at risk just before this time, without failed runs; if the curve is thinned to 1000 \
+         rows, before the first rest after the preceding row",
+    );
+    list.count("came_to_rest", |row| row.value.came_to_rest)
+        .meaning("runs that came to rest after the preceding row, up to and including this time");
+    list.count("censored", |row| row.value.censored).meaning(
+        "censored runs: stopped while moving before the next row; limit cycles count at the last \
+         end time",
+    );
+    list.number("probability_at_rest", "1", |row| row.value.probability)
+        .meaning("probability of being at rest by this time (Kaplan-Meier)");
+    list.number("ci_low", "1", |row| row.value.interval.0).meaning(
+        "lower end of its 95 % confidence interval (Greenwood, log(-log); exact binomial at 0 and \
+         1)",
+    );
+    list.number("ci_high", "1", |row| row.value.interval.1)
+        .meaning("upper end of its 95 % confidence interval");
+    list.finish()
+}
+
+/// An occupied bin at a point.
+pub type HistogramRow = OfPoint<HistogramBin>;
+
+/// Returns the columns of `equilibrium_histogram.parquet`. For one or two balls, a bin has the
+/// angles of all balls; for more balls, it has the angle of one ball. A sweep over the number of
+/// balls has the columns of all its numbers.
+pub fn histogram_columns(study: &Study) -> Vec<Column<HistogramRow>> {
+    let (fewest, most) = study.numbers_of_balls().into_inner();
+    let angles = if fewest > 2 { 1 } else { most.min(2) };
+    let mut list = Columns::new();
+    add_point(&mut list, study, |row: &HistogramRow| &row.point);
+    if most > 2 {
+        list.count("ball", |row| (row.value.bins.len() == 1).then_some(row.value.ball as u64 + 1)).meaning(
+            "first ball of the group of identical balls, from 1; the row counts the angle of each \
+             ball of the group separately",
+        );
+    }
+    for angle in 0..angles {
+        let number = angle + 1;
+        list.count(format!("bin_{number}"), move |row| {
+            row.value.bins.get(angle).map(|&bin| bin as u64)
+        })
+        .meaning(
+            "interval of the angle, from 0, 10° wide; for two identical balls, the smaller angle comes \
+             first; for three or more balls, the angle of any ball in the group of the column ball",
+        );
+        for (end, word, verb) in [(0, "from", "begins"), (1, "to", "ends")] {
+            list.number(format!("beta_{number}_{word}_rad"), "rad", move |row| {
+                row.value.bins.get(angle).map(|&bin| bin_edges(bin)[end])
+            })
+            .meaning(format!("angle from the imbalance at which the bin {verb}"));
+        }
+    }
+    list.count("runs", |row| row.value.runs).meaning(
+        "equilibria in the bin; for three or more balls, equilibria with at least one ball of the \
+         group in the bin",
+    );
+    list.number("fraction", "1", |row| row.value.fraction)
+        .meaning("fraction of all equilibria of the point");
+    list.number("ci_low", "1", |row| row.value.interval.0)
+        .meaning("lower end of its 95 % confidence interval (Wilson)");
+    list.number("ci_high", "1", |row| row.value.interval.1)
+        .meaning("upper end of its 95 % confidence interval (Wilson)");
+    list.finish()
+}
 
 /// A class of limit cycles at a point, with its runs.
 pub type CycleRow = OfPoint<CycleGroup>;
