@@ -121,14 +121,14 @@ impl ComputedStudy<'_> {
 }
 
 /// Passes runs and points to another sink, reports each point, and collects the points that are printed.
-struct Collector<'a, 's, S> {
+struct Collector<'a, 's> {
     study: &'s Study,
-    sink: &'a mut S,
+    sink: &'a mut dyn Sink,
     table: PointsTable<'s>,
     progress: &'a Progress,
 }
 
-impl<S: Sink> Sink for Collector<'_, '_, S> {
+impl Sink for Collector<'_, '_> {
     fn run(&mut self, record: RunRecord) -> Result<(), WriteError> {
         self.sink.run(record)
     }
@@ -148,7 +148,7 @@ pub fn run_on_engine<'a>(
     options: EngineOptions,
     arguments: &EngineArguments,
     store: Option<&mut Store>,
-    sink: &mut impl Sink,
+    sink: &mut dyn Sink,
 ) -> Result<ComputedStudy<'a>, CliError> {
     let begun = Manifest::begin(study, options.shard);
     let stop = stop_on_signals();

@@ -15,7 +15,7 @@ use crate::engine::{OutputDir, PreparedDirectory, Shard, Sink, say};
 use crate::numbers::counted;
 use crate::responses::merged;
 use crate::study::Study;
-use crate::table::{PointRow, RunRecord, StudyTables, TableFiles, WriteError};
+use crate::table::{PointRow, RunRecord, WriteError};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -62,7 +62,8 @@ pub fn verify(arguments: &Arguments) -> Result<End, CliError> {
         };
         ready = Some((store, results));
     }
-    let both = ready.as_mut().map(|(store, results)| (&mut **store, &mut results.tables));
+    let both = ready.as_mut();
+    let both = both.map(|(store, results)| (&mut **store, &mut results.tables as &mut dyn Sink));
     let (store, tables) = both.unzip();
     let (lines, json) = (String::new(), Vec::new());
     let mut findings = Findings { study: &study, tables, lines, json, not_met: 0 };
@@ -92,7 +93,7 @@ pub fn verify(arguments: &Arguments) -> Result<End, CliError> {
 /// Checks each point, and passes runs and points to the tables, if any.
 struct Findings<'a> {
     study: &'a Study,
-    tables: Option<&'a mut StudyTables<TableFiles>>,
+    tables: Option<&'a mut dyn Sink>,
     lines: String,
     json: Vec<Value>,
     not_met: u64,

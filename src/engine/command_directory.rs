@@ -183,7 +183,7 @@ impl<'a> ContinuedDirectory<'a> {
         value: &serde_json::Value,
     ) -> Result<(), CommandError> {
         let text = format!("{value:#}\n");
-        let written = self.list.write(self.path, name, text.as_bytes());
+        let written = self.list.write(self.path, name, text.as_bytes(), true);
         let path = self.path.join(name);
         written.map_err(|cause| WriteError { path, cause }.into())
     }

@@ -130,7 +130,7 @@ fn read_finished(
     study: &Study,
     shard: Shard,
     directory: &Path,
-    sink: &mut impl Sink,
+    sink: &mut dyn Sink,
 ) -> Result<RunTotals, CommandError> {
     let mut store = Store::open_shared(directory, study)?;
     // After the deadline no run begins, but stored runs are still read.

@@ -62,32 +62,34 @@ impl RunTotals {
 ///
 /// # Errors
 /// Returns an error if the worker threads cannot be started, if the sink returns one, or if a chunk cannot be written.
-pub fn run_study<S: Sink>(
+pub fn run_study(
     study: &Study,
     options: EngineOptions,
     stop: &AtomicBool,
     progress: &Progress,
     store: Option<&mut Store>,
-    sink: &mut S,
+    sink: &mut dyn Sink,
 ) -> Result<RunTotals, CommandError> {
-    StudyRun::new(study, options, stop, progress).run(&in_lockstep, store, sink)
+    let stop_condition = StopCondition::new(stop, &options);
+    StudyRun { study, options, stop_condition, progress, engine: &in_lockstep }.run(store, sink)
 }
 
 /// Computes a study like [`run_study`], but simulates each case with the given function.
 ///
 /// # Errors
 /// Returns the errors of [`run_study`].
-pub fn run_study_with<S: Sink>(
+pub fn run_study_with(
     study: &Study,
     options: EngineOptions,
     simulate: impl Fn(&Case) -> Outcome + Sync,
     stop: &AtomicBool,
     progress: &Progress,
     store: Option<&mut Store>,
-    sink: &mut S,
+    sink: &mut dyn Sink,
 ) -> Result<RunTotals, CommandError> {
-    let engine = |runs: &mut dyn Runs| one_by_one(runs, &simulate);
-    StudyRun::new(study, options, stop, progress).run(&engine, store, sink)
+    let stop_condition = StopCondition::new(stop, &options);
+    let engine = &|runs: &mut dyn Runs| one_by_one(runs, &simulate);
+    StudyRun { study, options, stop_condition, progress, engine }.run(store, sink)
 }
 
 /// The computation of a study.
@@ -96,6 +98,7 @@ struct StudyRun<'a> {
     options: EngineOptions,
     stop_condition: StopCondition<'a>,
     progress: &'a Progress,
+    engine: &'a Engine<'a>,
 }
 
 /// The parts of a store that the computation uses.
@@ -105,58 +108,39 @@ struct StoreReader<'a> {
     new_results: SyncSender<NewResult>,
 }
 
-impl<'a> StudyRun<'a> {
-    fn new(
-        study: &'a Study,
-        options: EngineOptions,
-        stop: &'a AtomicBool,
-        progress: &'a Progress,
-    ) -> Self {
-        StudyRun { study, options, stop_condition: StopCondition::new(stop, &options), progress }
-    }
-
-    fn run<S: Sink>(
+impl StudyRun<'_> {
+    fn run(
         &self,
-        engine: &Engine<'_>,
         store: Option<&mut Store>,
-        sink: &mut S,
+        sink: &mut dyn Sink,
     ) -> Result<RunTotals, CommandError> {
-        let mut stopped = None;
-        let is_over = || self.stop_condition.abandons_runs(&mut stopped);
-        with_grace_period(is_over, |cancellation| self.run_under(cancellation, engine, store, sink))
-    }
-
-    fn run_under<S: Sink>(
-        &self,
-        cancellation: &Cancellation,
-        engine: &Engine<'_>,
-        store: Option<&mut Store>,
-        sink: &mut S,
-    ) -> Result<RunTotals, CommandError> {
-        let Some(Store { output, chunk_index, result_cache, .. }) = store else {
-            return self.compute_all(cancellation, engine, None, sink);
-        };
-        let (new_results, finished) = new_results();
         let (stop_condition, chunk) = (&self.stop_condition, self.options.chunk);
-        thread::scope(|scope| {
-            let writer =
-                scope.spawn(move || write_chunks(output, &finished, chunk, stop_condition));
-            let reading = Some(StoreReader { chunk_index, result_cache, new_results });
-            let totals = self.compute_all(cancellation, engine, reading, sink);
-            // The writer is not expected to panic; a panic is a fault of the program.
-            writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-            totals
+        let mut stopped = None;
+        let is_over = || stop_condition.abandons_runs(&mut stopped);
+        with_grace_period(is_over, |cancellation| {
+            let Some(Store { output, chunk_index, result_cache, .. }) = store else {
+                return self.compute_all(cancellation, None, sink);
+            };
+            let (new_results, finished) = new_results();
+            thread::scope(|scope| {
+                let writer =
+                    scope.spawn(move || write_chunks(output, &finished, chunk, stop_condition));
+                let reading = Some(StoreReader { chunk_index, result_cache, new_results });
+                let totals = self.compute_all(cancellation, reading, sink);
+                // The writer is not expected to panic; a panic is a fault of the program.
+                writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+                totals
+            })
         })
     }
 
-    fn compute_all<S: Sink>(
+    fn compute_all(
         &self,
         cancellation: &Cancellation,
-        engine: &Engine<'_>,
         mut disk: Option<StoreReader<'_>>,
-        sink: &mut S,
+        sink: &mut dyn Sink,
     ) -> Result<RunTotals, CommandError> {
-        let StudyRun { study, ref options, ref stop_condition, progress } = *self;
+        let StudyRun { study, ref options, ref stop_condition, progress, engine } = *self;
         let plan: &Plan = study;
         let pool = WorkerPool::new(options.threads)?;
         let computed = |label| progress.finished(label);
@@ -239,15 +223,15 @@ struct FinishedPoint<'a> {
 }
 
 /// Passes runs to the sink and collects them point by point.
-struct PointCollector<'a, S> {
+struct PointCollector<'a> {
     study: &'a Study,
-    sink: &'a mut S,
+    sink: &'a mut dyn Sink,
     point: Option<FinishedPoint<'a>>,
     counts: LabelCounts,
     failures: FailureCounts,
 }
 
-impl<S: Sink> PointCollector<'_, S> {
+impl PointCollector<'_> {
     fn add_all(&mut self, records: Vec<RunRecord>) -> Result<(), WriteError> {
         for record in records {
             let point_id = record.planned.point_id;

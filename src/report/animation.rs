@@ -66,7 +66,7 @@ pub fn animate(
         RunRecorder::new(Instants::At((0..frames).map(time).collect()), MOST_INSTANTS);
     simulate_recorded(case, &mut recorder);
     let page = animation((&case.model, &drawing), &recorder.finish(), &title);
-    list.write_once(out, ANIMATION, page.as_bytes())
+    list.write(out, ANIMATION, page.as_bytes(), false)
         .map_err(ResultsError::unusable(&out.join(ANIMATION)))?;
     Ok(true)
 }

@@ -99,22 +99,20 @@ impl FileList {
         self.replaced.remove(name);
     }
 
-    /// Writes a file atomically and adds it to the list.
+    /// Writes a file atomically and adds it to the list. Unless an existing file is `replaced`, it must have the same content.
     ///
     /// # Errors
-    /// Returns an error if the file or the list cannot be written.
-    pub fn write(&mut self, directory: &Path, name: &str, content: &[u8]) -> io::Result<()> {
+    /// Returns an error if the file or the list cannot be written, or if the name is taken.
+    pub fn write(
+        &mut self,
+        directory: &Path,
+        name: &str,
+        content: &[u8],
+        replaced: bool,
+    ) -> io::Result<()> {
         self.announce(directory, &[(name.to_owned(), FileEntry::of_content(content))])?;
-        write_atomically(&directory.join(name), content)
-    }
-
-    /// Writes a file like [`Self::write`], but never replaces a file with other content.
-    ///
-    /// # Errors
-    /// Returns an error if a file with other content has the name, or if the file or the list cannot be written.
-    pub fn write_once(&mut self, directory: &Path, name: &str, content: &[u8]) -> io::Result<()> {
-        self.announce(directory, &[(name.to_owned(), FileEntry::of_content(content))])?;
-        write_once(&directory.join(name), content)
+        let write = if replaced { write_atomically } else { write_once };
+        write(&directory.join(name), content)
     }
 
     /// Writes a table with this provenance and adds its files to the list. Unless an existing table is `replaced`, it must

@@ -227,25 +227,17 @@ fn add_median_and_escape(list: &mut Columns<PointRow>) {
     );
     list.number("time_to_rest_p50_high_s", "s", |row| row.summary.median_interval_s[1])
         .meaning("upper end of that interval; null if not reached");
-    list.number("escape_rate_per_s", "1/s", |row| {
-        row.summary.escape.as_ref().map(|escape| escape.rate_per_s)
-    })
-    .meaning(
+    list.number("escape_rate_per_s", "1/s", |row| Some(row.summary.escape?.rate_per_s)).meaning(
         "constant rate at which runs that still move after escape_from_s come to rest; null if no \
          tail with at least 10 rests and a tenth of all rests is exponential",
     );
-    list.number("escape_rate_low_per_s", "1/s", |row| {
-        row.summary.escape.as_ref().map(|escape| escape.interval_per_s.0)
-    })
-    .meaning("lower end of its 95 % confidence interval (Garwood)");
-    list.number("escape_rate_high_per_s", "1/s", |row| {
-        row.summary.escape.as_ref().map(|escape| escape.interval_per_s.1)
-    })
-    .meaning("upper end of its 95 % confidence interval (Garwood)");
-    list.number("escape_from_s", "s", |row| {
-        row.summary.escape.as_ref().map(|escape| escape.from_s)
-    })
-    .meaning("earliest time after which a constant rate is not rejected (Kolmogorov, level 0.1)");
+    list.number("escape_rate_low_per_s", "1/s", |row| Some(row.summary.escape?.interval_per_s.0))
+        .meaning("lower end of its 95 % confidence interval (Garwood)");
+    list.number("escape_rate_high_per_s", "1/s", |row| Some(row.summary.escape?.interval_per_s.1))
+        .meaning("upper end of its 95 % confidence interval (Garwood)");
+    list.number("escape_from_s", "s", |row| Some(row.summary.escape?.from_s)).meaning(
+        "earliest time after which a constant rate is not rejected (Kolmogorov, level 0.1)",
+    );
 }
 
 /// Adds how often the label of an audited run changes; null in a study without an audit.
