@@ -5,9 +5,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::StudyArgument;
-use super::check_machine::{machine_json, machine_text, system_text};
+use super::check_machine::{machine_json, machine_text, run_ups_of, system_text};
 use super::check_points::ClosedForms;
-use super::check_run_up::run_ups_of;
 use super::cost::Cost;
 use super::design_cost::{design_cost, identify_cost};
 use super::existence::Existence;

@@ -3,8 +3,8 @@
 //! Read `output` first: how a command ends and prints. `arguments` and `range` are arguments that commands
 //! share.
 //!
-//! Each other file is a command or a part of one. `check_machine`, `check_points`, `check_run_up`,
-//! `existence` and `design_cost` are parts of `check`. `run_on_engine` computes a study for `run`, `resume`, `merge` and
+//! Each other file is a command or a part of one. `check_machine`, `check_points`, `existence`
+//! and `design_cost` are parts of `check`. `run_on_engine` computes a study for `run`, `resume`, `merge` and
 //! `verify`. `summary`, `report`, `compare`, `equilibria` and `replay` need results or closed forms only, and `evaluate`,
 //! `optimize` and `identify` evaluate designs. `new`, `expand`, `schema` and `completions` help to write studies and
 //! commands.
@@ -14,7 +14,6 @@ mod check;
 mod check_legend;
 mod check_machine;
 mod check_points;
-mod check_run_up;
 mod compare;
 mod completions;
 mod cost;

@@ -3,7 +3,7 @@
 //! The order and place of computation do not affect results: a run is a pure function of the study and its number.
 //!
 //! Read `compute` first: it computes one run, also with its motion, or many in lockstep. `batches` says which runs come
-//! next, and `store` keeps finished runs. `progress_counts`, `watch` and `progress` show how far a computation is; `stop`
+//! next, and `store` keeps finished runs. `progress_counts` and `progress` show how far a computation is; `stop`
 //! ends it early. The workers of a `worker_pool` compute runs, and `chunk_writer` passes them on to the store. `run_study`
 //! combines all of these.
 //!
@@ -23,7 +23,6 @@ mod readable_results;
 mod run_study;
 mod stop;
 mod store;
-mod watch;
 mod worker_pool;
 
 pub use command_directory::{ContinuedDirectory, ExclusiveDirectory};
@@ -32,14 +31,13 @@ pub use compute::{MOST_INSTANTS, compute, quietly, record};
 pub use message::{say, show_messages};
 pub use output_dir::{OutputDir, PreparedDirectory};
 pub use progress::{Planned, Progress, ProgressDisplay};
-pub use progress_counts::{Parts, Snapshot};
+pub use progress_counts::{Parts, Snapshot, Watch};
 pub use readable_results::{
     ReadableResults, begun_study, finished_run, how_to_continue, readable_results, results_study,
 };
 pub use run_study::{RunTotals, run_study, run_study_with};
 pub use stop::{EngineOptions, StopReason, stop_on_signals, survive_file_size_limit};
 pub use store::{CHUNKS, Chunk, ChunkFault, ListedChunk, Lock, Store, StoreError, listed_runs};
-pub use watch::Watch;
 pub use worker_pool::WorkerPool;
 
 pub use crate::table::{Shard, ShardError, Sink};

@@ -12,8 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::message::{say, say_json};
-use super::progress_counts::{Parts, ProgressCounts};
-use super::watch::Watch;
+use super::progress_counts::{Parts, ProgressCounts, Watch};
 use crate::classification::Label;
 use crate::sanitize::harmless;
 

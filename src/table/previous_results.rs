@@ -10,8 +10,7 @@ use std::{fs, io};
 
 use super::durable_files::{is_inside, make_inside, sync_directory};
 use super::manifest::MANIFEST;
-use super::results::ResultsError;
-use super::study_tables::DATA_FILES;
+use super::results::{DATA_FILES, ResultsError};
 
 /// Name of the folder of earlier results in an output directory.
 pub const EARLIER: &str = "earlier";
