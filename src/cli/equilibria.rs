@@ -20,9 +20,7 @@ use crate::engine::{ExclusiveDirectory, say};
 use crate::model::Machine;
 use crate::numbers::counted;
 use crate::study::Study;
-use crate::table::{
-    EquilibriumFiles, EquilibriumTables, FrictionlessRow, PointKey, SetRow, SetSummaryRow,
-};
+use crate::table::{EquilibriumTables, FrictionlessRow, PointKey, SetRow, SetSummaryRow};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -120,20 +118,18 @@ pub fn equilibria(arguments: &Arguments) -> Result<End, CliError> {
     check_model(&study)?;
     let resolutions = resolutions(arguments, &study)?;
     let directory = results_directory(arguments.out.as_ref(), &study, "-equilibria");
-    let files = EquilibriumFiles {
-        positions: !arguments.no_set,
-        own_speeds: arguments.speeds.is_some(),
-        options: options(arguments, resolutions),
-    };
+    let (positions, own_speeds) = (!arguments.no_set, arguments.speeds.is_some());
+    let options = options(arguments, resolutions);
     let pool = arguments.threads.start()?;
     let started = Instant::now();
-    let mut place = ExclusiveDirectory::open(&directory, &files.names())?;
-    let mut tables = files.create(&directory, &study)?;
+    let mut place = ExclusiveDirectory::open(&directory, &EquilibriumTables::names(positions))?;
+    let mut tables =
+        EquilibriumTables::create(&directory, &study, positions, own_speeds, &options)?;
     let report = pool.install(|| compute(arguments, &study, resolutions, &mut tables))?;
     tables.finish(&mut place.list)?;
     place.finish()?;
     if arguments.json || !arguments.quiet {
-        let json = || report.json(&files.options, &directory);
+        let json = || report.json(&options, &directory);
         print_result(arguments.json, json, || report.text())?;
     }
     if !arguments.quiet {

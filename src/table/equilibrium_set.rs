@@ -201,18 +201,6 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
     list.finish()
 }
 
-/// The content of the directory.
-#[derive(Clone, Debug)]
-pub struct EquilibriumFiles {
-    /// Whether `equilibrium_positions.parquet` is written, which is large.
-    pub positions: bool,
-    /// Whether the frictionless equilibria are computed at given speeds instead of the points of
-    /// the sweep.
-    pub own_speeds: bool,
-    /// The options that determine the tables, for their metadata.
-    pub options: Value,
-}
-
 /// The tables, open for writing.
 pub struct EquilibriumTables {
     directory: PathBuf,
@@ -224,46 +212,45 @@ pub struct EquilibriumTables {
     pub frictionless: TableWriter<FrictionlessRow, TableFiles>,
 }
 
-impl EquilibriumFiles {
-    /// Returns the names of the tables.
-    pub fn names(&self) -> Vec<&'static str> {
-        let set = self.positions.then_some("equilibrium_positions.parquet");
-        set.into_iter()
-            .chain(["equilibrium_set_summary.parquet", "frictionless_equilibria.parquet"])
-            .collect()
+impl EquilibriumTables {
+    /// Returns the file names of the tables; `positions` says whether `equilibrium_positions.parquet`, which is large, is one.
+    pub fn names(positions: bool) -> Vec<&'static str> {
+        let positions = positions.then_some("equilibrium_positions.parquet");
+        let others = ["equilibrium_set_summary.parquet", "frictionless_equilibria.parquet"];
+        positions.into_iter().chain(others).collect()
     }
 
-    /// Starts the tables in a directory.
+    /// Starts the tables in a directory: with `own_speeds`, the frictionless equilibria are computed at given speeds instead
+    /// of the points of the sweep. The `options` determine the tables and are part of their metadata.
     ///
     /// # Errors
     /// Returns an error if the directory is not writable.
-    pub fn create(&self, directory: &Path, study: &Study) -> Result<EquilibriumTables, WriteError> {
-        let positions = self.positions.then(|| {
-            self.create_table(directory, study, "equilibrium_positions", set_columns(study))
+    pub fn create(
+        directory: &Path,
+        study: &Study,
+        positions: bool,
+        own_speeds: bool,
+        options: &Value,
+    ) -> Result<Self, WriteError> {
+        let place = |name: &str| {
+            let path = directory.join(format!("{name}.parquet"));
+            (path, provenance_with(study, name, options))
+        };
+        let positions = positions.then(|| {
+            let (path, about) = place("equilibrium_positions");
+            TableWriter::create(&path, set_columns(study), &about)
         });
-        let (summary, frictionless) = ("equilibrium_set_summary", "frictionless_equilibria");
-        let columns = frictionless_columns(study, self.own_speeds);
+        let (sets, of_sets) = place("equilibrium_set_summary");
+        let (frictionless, of_frictionless) = place("frictionless_equilibria");
+        let columns = frictionless_columns(study, own_speeds);
         Ok(EquilibriumTables {
             directory: directory.to_owned(),
             positions: positions.transpose()?,
-            sets: self.create_table(directory, study, summary, set_summary_columns(study))?,
-            frictionless: self.create_table(directory, study, frictionless, columns)?,
+            sets: TableWriter::create(&sets, set_summary_columns(study), &of_sets)?,
+            frictionless: TableWriter::create(&frictionless, columns, &of_frictionless)?,
         })
     }
 
-    fn create_table<R>(
-        &self,
-        directory: &Path,
-        study: &Study,
-        name: &str,
-        columns: Vec<Column<R>>,
-    ) -> Result<TableWriter<R, TableFiles>, WriteError> {
-        let path = directory.join(format!("{name}.parquet"));
-        TableWriter::create(&path, columns, &provenance_with(study, name, &self.options))
-    }
-}
-
-impl EquilibriumTables {
     /// Finishes all tables and adds their files to the list of the directory. No existing table is
     /// replaced.
     ///

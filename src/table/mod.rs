@@ -49,8 +49,8 @@ pub use durable_files::{
 };
 pub(crate) use durable_files::{is_own, temporary_file};
 pub use equilibrium_set::{
-    EquilibriumFiles, EquilibriumTables, FrictionlessRow, SetRow, SetSummaryRow,
-    frictionless_columns, set_columns, set_summary_columns,
+    EquilibriumTables, FrictionlessRow, SetRow, SetSummaryRow, frictionless_columns, set_columns,
+    set_summary_columns,
 };
 pub(crate) use estimate::add_estimate;
 pub use file_entry::FileEntry;
