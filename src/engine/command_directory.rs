@@ -5,8 +5,9 @@
 //! If it remains, the command was killed, and the same command continues: it verifies finished files by their hashes and
 //! writes the others anew. `optimize` and `identify` continue a directory, whose file `lock` stays.
 
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use super::Lock;
 use super::command_error::CommandError;

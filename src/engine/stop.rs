@@ -1,11 +1,12 @@
 //! How a study is computed, and what stops it before all its runs have finished: signals, a time limit or failures. The first
 //! Ctrl-C or SIGTERM lets runs finish for a second, the second one ends the program. A file size limit becomes a write error.
 
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
 use std::time::{Duration, Instant};
-use std::{io, thread};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;

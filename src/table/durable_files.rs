@@ -7,8 +7,9 @@
 //! by their names; in a locked directory, the next process removes them. Directories inside an output directory are never
 //! links, so that nothing is written elsewhere.
 
+use std::fs;
+use std::io;
 use std::path::Path;
-use std::{fs, io};
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 

@@ -4,8 +4,9 @@
 //! If the process is killed at any time, the file on disk therefore matches one of the two entries.
 
 use std::collections::BTreeMap;
+use std::fs;
+use std::io;
 use std::path::Path;
-use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
 

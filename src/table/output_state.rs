@@ -1,8 +1,9 @@
 //! The state of an output directory before a run. A file counts as a result only if it is, byte for
 //! byte, what stickslip has written or would write.
 
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use super::durable_files::final_name;
 use super::file_entry::{FileEntry, has_content, short_hash};

@@ -5,8 +5,9 @@
 //! After a program was killed, the next program either completes the folder with the rest of the
 //! same results, or closes it as it is before it writes anything else. No move replaces a file.
 
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use super::durable_files::{is_inside, make_inside, sync_directory};
 use super::manifest::MANIFEST;

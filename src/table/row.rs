@@ -91,12 +91,6 @@ impl<'a> Row<'a> {
         if self.has(column) { self.number(column) } else { None }
     }
 
-    /// Returns numbers, such as a value and both ends of its interval; `None` if one of them is missing.
-    pub fn all<const N: usize>(&self, columns: [&str; N]) -> Option<[f64; N]> {
-        let numbers = columns.map(|column| self.number(column));
-        numbers.iter().all(Option::is_some).then(|| numbers.map(Option::unwrap_or_default))
-    }
-
     /// Returns the label in the column `label`.
     pub fn label(&self) -> Option<Label> {
         let name = self.text("label")?;

@@ -1,9 +1,10 @@
 //! The files of a table: Parquet, written in parts with constant memory.
 
 use std::fs::{self, File};
+use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::{io, mem};
 
 use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};

@@ -7,8 +7,9 @@
 //! directory. If two processes write the same table, the last one gives it the name, and each table
 //! is complete. The temporary directory is removed when the value is dropped.
 
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use tempfile::TempDir;
 
