@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+pub(crate) use crate::numbers::describe_number;
 pub(crate) use crate::sanitize::shorten;
 use crate::sanitize::shown_path;
 pub(crate) use crate::tabular::Fault;
@@ -141,6 +142,16 @@ impl fmt::Display for StudyError {
 }
 
 impl std::error::Error for StudyError {}
+
+/// Describes a range of numbers with its keys.
+pub(crate) fn from_to(from: f64, to: f64) -> String {
+    format!("from {} to {}", describe_number(from), describe_number(to))
+}
+
+/// Describes a range `[low, high]`.
+pub(crate) fn low_high(low: f64, high: f64) -> String {
+    format!("[{}, {}]", describe_number(low), describe_number(high))
+}
 
 /// Lists the allowed names. The name most similar to `found` comes first and is marked.
 pub(crate) fn list_names<S: AsRef<str>>(found: &str, names: &[S]) -> String {
