@@ -1,29 +1,18 @@
 //! The units in the names of SI keys, such as `speed_rad_s`, and the names that a file may write in place of them.
 
+use std::sync::LazyLock;
+
+use super::quantity::SI_UNITS;
+use crate::model::unit_ending;
 use crate::study::error::list_names;
 
 /// The endings of SI keys with their units; a longer ending stands before the shorter one that it contains.
-const ENDINGS: [(&str, &str); 19] = [
-    ("_n_m_s_rad", "N m s/rad"),
-    ("_n_m_rad", "N m/rad"),
-    ("_n_m_s", "N m s"),
-    ("_n_s_m", "N s/m"),
-    ("_rad_s2", "rad/s2"),
-    ("_rad_s", "rad/s"),
-    ("_n_m", "N/m"),
-    ("_m_s2", "m/s2"),
-    ("_m_s", "m/s"),
-    ("_kg_m2", "kg m2"),
-    ("_nm", "N m"),
-    ("_1_s", "1/s"),
-    ("_rad", "rad"),
-    ("_kg_m3", "kg/m3"),
-    ("_kg_m", "kg m"),
-    ("_kg", "kg"),
-    ("_m", "m"),
-    ("_n", "N"),
-    ("_s", "s"),
-];
+static ENDINGS: LazyLock<Vec<(String, &str)>> = LazyLock::new(|| {
+    let mut endings: Vec<_> =
+        SI_UNITS.iter().map(|(unit, ..)| (unit_ending(unit), *unit)).collect();
+    endings.sort_by_key(|(ending, _)| std::cmp::Reverse(ending.len()));
+    endings
+});
 
 /// The key that takes names of materials in place of densities.
 pub(in crate::study) const MATERIAL: &str = "ball_material";
@@ -35,7 +24,7 @@ pub(crate) const WITHOUT_UNIT: [&str; 4] = ["count", "spacing", "times", "weight
 
 /// Returns the key without its unit and the unit, if this is an SI key with a unit.
 pub(crate) fn split_unit(key: &str) -> Option<(&str, &'static str)> {
-    ENDINGS.iter().find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)))
+    ENDINGS.iter().find_map(|(ending, unit)| Some((key.strip_suffix(&**ending)?, *unit)))
 }
 
 /// Returns the names that a file may write in place of an SI key.

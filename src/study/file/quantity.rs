@@ -1,104 +1,93 @@
-//! Values with units, such as `6000 rpm` or `40 N s/m`: products and quotients of the units that uom defines.
+//! Values with units, such as `6000 rpm` or `40 N s/m`: products and quotients of unit symbols.
 //!
-//! uom parses single units only, and multiplies by factors that are rounded to binary. Here, decimal factors multiply
-//! decimal digits, so that `6 mm` is the same number as `6e-3`.
+//! Decimal factors multiply decimal digits, so that `6 mm` is the same number as `6e-3`.
 
 use std::f64::consts::TAU;
 
-use uom::si::f64::{Energy, Force, Length, Mass, Power, Time};
-use uom::si::{energy, force, length, mass, power, time};
-use uom::typenum::Integer;
-
 use crate::study::error::{Fault, list_names, shorten};
 
-/// Exponents of length, mass, time and angle.
+/// Exponents of length, mass, time and angle. The angle has a dimension, because a number of 1/s is not a speed of rotation.
 type Dimension = [i32; 4];
 
 /// A unit symbol with its dimension and its value in SI units.
 type Symbol = (&'static str, Dimension, f64);
 
-/// What each SI unit of a key measures, with two examples.
-const MEASURED: [(&str, &str); 17] = [
-    ("m/s2", "an acceleration, such as 9.81 m/s^2"),
-    ("kg m2", "a moment of inertia, such as 0.02 kg m^2 or 200 kg cm^2"),
-    ("N m", "a torque, such as 0.2 N m"),
-    ("N m/rad", "a stiffness of a joint, such as 0.0056 N m/rad"),
-    ("N m s/rad", "a damping of a joint, such as 0.1 N m s/rad"),
-    ("1/s", "a rate, such as 3 1/s"),
-    ("kg", "a mass, such as 0.056 kg or 56 g"),
-    ("m", "a length, such as 0.006 m or 6 mm"),
-    ("s", "a time, such as 15 s or 0.25 min"),
-    ("N", "a force, such as 10 N or 0.01 kN"),
-    ("N/m", "a stiffness, such as 10700 N/m or 10.7 N/mm"),
-    ("N s/m", "a viscous damping, such as 1.28 N s/m or 1280 g/s"),
-    ("kg/m3", "a density, such as 7810 kg/m^3 or 7.81 g/cm^3"),
-    ("kg m", "a product of mass and radius, such as 4e-5 kg m or 40 g mm"),
-    ("rad", "an angle, such as 0.5 rad or 30 deg"),
-    ("rad/s", "a speed of rotation, such as 628.3 rad/s or 6000 rpm"),
-    ("m/s", "a speed, such as 0.1 m/s or 100 mm/s"),
+const LENGTH: Dimension = [1, 0, 0, 0];
+const MASS: Dimension = [0, 1, 0, 0];
+const TIME: Dimension = [0, 0, 1, 0];
+const ANGLE: Dimension = [0, 0, 0, 1];
+const FORCE: Dimension = [1, 1, -2, 0];
+
+/// All unit symbols.
+const SYMBOLS: [Symbol; 28] = [
+    ("m", LENGTH, 1.0),
+    ("km", LENGTH, 1e3),
+    ("cm", LENGTH, 1e-2),
+    ("mm", LENGTH, 1e-3),
+    ("µm", LENGTH, 1e-6),
+    ("um", LENGTH, 1e-6),
+    ("nm", LENGTH, 1e-9),
+    ("in", LENGTH, 0.0254),
+    ("ft", LENGTH, 0.3048),
+    ("kg", MASS, 1.0),
+    ("g", MASS, 1e-3),
+    ("mg", MASS, 1e-6),
+    ("µg", MASS, 1e-9),
+    ("ug", MASS, 1e-9),
+    ("t", MASS, 1e3),
+    ("s", TIME, 1.0),
+    ("ms", TIME, 1e-3),
+    ("min", TIME, 60.0),
+    ("h", TIME, 3600.0),
+    ("N", FORCE, 1.0),
+    ("mN", FORCE, 1e-3),
+    ("kN", FORCE, 1e3),
+    ("J", [2, 1, -2, 0], 1.0),
+    ("W", [2, 1, -3, 0], 1.0),
+    ("rad", ANGLE, 1.0),
+    ("deg", ANGLE, TAU / 360.0),
+    ("°", ANGLE, TAU / 360.0),
+    ("rev", ANGLE, TAU),
 ];
+
+/// The SI units that keys have. Each has what it measures, with two examples, and the units of this quantity that consist of
+/// several symbols.
+pub(super) const SI_UNITS: [(&str, &str, &str); 19] = [
+    ("m/s2", "an acceleration, such as 9.81 m/s^2", ""),
+    ("kg m2", "a moment of inertia, such as 0.02 kg m^2 or 200 kg cm^2", ""),
+    ("N m", "a torque, such as 0.2 N m", ""),
+    ("N m/rad", "a stiffness of a joint, such as 0.0056 N m/rad", ""),
+    ("N m s/rad", "a damping of a joint, such as 0.1 N m s/rad", ""),
+    ("1/s", "a rate, such as 3 1/s", ""),
+    ("kg", "a mass, such as 0.056 kg or 56 g", ""),
+    ("m", "a length, such as 0.006 m or 6 mm", ""),
+    ("s", "a time, such as 15 s or 0.25 min", ""),
+    ("N", "a force, such as 10 N or 0.01 kN", "kg m/s^2"),
+    ("N/m", "a stiffness, such as 10700 N/m or 10.7 N/mm", "N/m, N/mm, kN/m, kg/s^2"),
+    ("N s/m", "a viscous damping, such as 1.28 N s/m or 1280 g/s", "N s/m, N s/mm, kg/s, g/s"),
+    ("kg/m3", "a density, such as 7810 kg/m^3 or 7.81 g/cm^3", "kg/m^3, g/cm^3"),
+    (
+        "kg m",
+        "a product of mass and radius, such as 4e-5 kg m or 40 g mm",
+        "g mm, kg mm, kg m, g cm",
+    ),
+    ("rad", "an angle, such as 0.5 rad or 30 deg", ""),
+    (
+        "rad/s",
+        "a speed of rotation, such as 628.3 rad/s or 6000 rpm",
+        "rpm, rad/s, deg/s, rev/s, rev/min",
+    ),
+    ("m/s", "a speed, such as 0.1 m/s or 100 mm/s", "m/s, mm/s, cm/s, km/h"),
+    ("rad/s2", "a number", ""),
+    ("N m s", "a number", ""),
+];
+
+/// Further units of mechanics.
+const FURTHER_UNITS: [&str; 4] = ["W", "N s", "N/m2", "N/m3"];
 
 /// Returns what an SI unit measures, with two examples.
 pub(crate) fn measured(unit: &str) -> &'static str {
-    MEASURED.iter().find(|(other, _)| *other == unit).map_or("a number", |(_, text)| text)
-}
-
-fn dimension<D: uom::si::Dimension + ?Sized>() -> Dimension
-where
-    D::L: Integer,
-    D::M: Integer,
-    D::T: Integer,
-{
-    [D::L::I32, D::M::I32, D::T::I32, 0]
-}
-
-/// Returns all unit symbols. uom gives the angle no dimension; here it has one, because a number of 1/s is not a speed
-/// of rotation.
-fn symbols() -> Vec<Symbol> {
-    let lengths = [
-        ("m", Length::new::<length::meter>(1.0)),
-        ("km", Length::new::<length::kilometer>(1.0)),
-        ("cm", Length::new::<length::centimeter>(1.0)),
-        ("mm", Length::new::<length::millimeter>(1.0)),
-        ("µm", Length::new::<length::micrometer>(1.0)),
-        ("um", Length::new::<length::micrometer>(1.0)),
-        ("nm", Length::new::<length::nanometer>(1.0)),
-        ("in", Length::new::<length::inch>(1.0)),
-        ("ft", Length::new::<length::foot>(1.0)),
-    ];
-    let masses = [
-        ("kg", Mass::new::<mass::kilogram>(1.0)),
-        ("g", Mass::new::<mass::gram>(1.0)),
-        ("mg", Mass::new::<mass::milligram>(1.0)),
-        ("µg", Mass::new::<mass::microgram>(1.0)),
-        ("ug", Mass::new::<mass::microgram>(1.0)),
-        ("t", Mass::new::<mass::ton>(1.0)),
-    ];
-    let times = [
-        ("s", Time::new::<time::second>(1.0)),
-        ("ms", Time::new::<time::millisecond>(1.0)),
-        ("min", Time::new::<time::minute>(1.0)),
-        ("h", Time::new::<time::hour>(1.0)),
-    ];
-    let forces = [
-        ("N", Force::new::<force::newton>(1.0)),
-        ("mN", Force::new::<force::millinewton>(1.0)),
-        ("kN", Force::new::<force::kilonewton>(1.0)),
-    ];
-    let energies = [("J", Energy::new::<energy::joule>(1.0))];
-    let powers = [("W", Power::new::<power::watt>(1.0))];
-    let angle = [0, 0, 0, 1];
-    let angles = [("rad", 1.0), ("deg", TAU / 360.0), ("°", TAU / 360.0), ("rev", TAU)];
-    let lengths = lengths.map(|(name, unit)| (name, dimension::<length::Dimension>(), unit.value));
-    let masses = masses.map(|(name, unit)| (name, dimension::<mass::Dimension>(), unit.value));
-    let times = times.map(|(name, unit)| (name, dimension::<time::Dimension>(), unit.value));
-    let forces = forces.map(|(name, unit)| (name, dimension::<force::Dimension>(), unit.value));
-    let angles = angles.map(|(name, size)| (name, angle, size));
-    let energies =
-        energies.map(|(name, unit)| (name, dimension::<energy::Dimension>(), unit.value));
-    let powers = powers.map(|(name, unit)| (name, dimension::<power::Dimension>(), unit.value));
-    let all = lengths.into_iter().chain(masses).chain(times).chain(forces);
-    all.chain(energies).chain(powers).chain(angles).collect()
+    SI_UNITS.iter().find(|(other, ..)| *other == unit).map_or("a number", |(_, text, _)| text)
 }
 
 /// Splits a text into the number at its beginning and the unit after it, which may be empty.
@@ -140,10 +129,10 @@ pub(crate) fn convert(text: &str, si_unit: &str) -> Result<f64, Fault> {
     let factors = factors(unit).map_err(|symbol| unknown(unit, &symbol, si_unit))?;
     let wanted = factors_of_si(si_unit);
     if dimension_of(&factors) != dimension_of(&wanted) {
-        let same = |(known, _): &&(&str, &str)| {
+        let same = |(known, ..): &&(&str, &str, &str)| {
             dimension_of(&factors_of_si(known)) == dimension_of(&factors)
         };
-        let is = MEASURED.iter().find(same).and_then(|(_, text)| text.split_once(','));
+        let is = SI_UNITS.iter().find(same).and_then(|(_, text, _)| text.split_once(','));
         let is = is.map(|(what, _)| format!(", {what}")).unwrap_or_default();
         return Err(Fault::new("a unit of another quantity", found() + &is, allowed));
     }
@@ -170,33 +159,6 @@ impl Conversion {
     }
 }
 
-/// Units that keys have, and further units of mechanics.
-const SI_UNITS: [&str; 23] = [
-    "kg",
-    "m",
-    "s",
-    "rad",
-    "N",
-    "N/m",
-    "N s/m",
-    "kg/m3",
-    "kg m",
-    "rad/s",
-    "m/s",
-    "m/s2",
-    "rad/s2",
-    "kg m2",
-    "N m",
-    "N m s",
-    "W",
-    "N m/rad",
-    "N m s/rad",
-    "1/s",
-    "N s",
-    "N/m2",
-    "N/m3",
-];
-
 /// Returns the SI unit of a unit, such as `N/m` of `N/mm`, and its exponents of length, mass, time and angle; `1` without any.
 pub(crate) fn unit_of(text: &str) -> Result<(String, Dimension), Fault> {
     if text == "1" {
@@ -210,9 +172,9 @@ pub(crate) fn unit_of(text: &str) -> Result<(String, Dimension), Fault> {
     };
     let factors = factors(text).map_err(|_| Fault::new("unknown unit", shorten(text), allowed))?;
     let dimension = dimension_of(&factors);
-    let known = SI_UNITS.iter().find(|unit| dimension_of(&factors_of_si(unit)) == dimension);
-    if let Some(known) = known {
-        return Ok(((*known).to_owned(), dimension));
+    let mut known = SI_UNITS.iter().map(|(unit, ..)| *unit).chain(FURTHER_UNITS);
+    if let Some(known) = known.find(|unit| dimension_of(&factors_of_si(unit)) == dimension) {
+        return Ok((known.to_owned(), dimension));
     }
     let (mut above, mut below) = (Vec::new(), String::new());
     for (symbol, exponent) in ["m", "kg", "s", "rad"].iter().zip(dimension) {
@@ -248,25 +210,13 @@ pub(crate) fn decimal_comma(text: &str) -> Option<Fault> {
     })
 }
 
-/// Units of each quantity that consist of several symbols.
-const COMPOUND: [(&str, &[&str]); 7] = [
-    ("kg m", &["g mm", "kg mm", "kg m", "g cm"]),
-    ("kg/m3", &["kg/m^3", "g/cm^3"]),
-    ("N/m", &["N/m", "N/mm", "kN/m", "kg/s^2"]),
-    ("N s/m", &["N s/m", "N s/mm", "kg/s", "g/s"]),
-    ("rad/s", &["rpm", "rad/s", "deg/s", "rev/s", "rev/min"]),
-    ("m/s", &["m/s", "mm/s", "cm/s", "km/h"]),
-    ("N", &["kg m/s^2"]),
-];
-
 /// Returns the units of the same quantity as an SI unit.
 fn units_like(si_unit: &str) -> Vec<&'static str> {
     let wanted = dimension_of(&factors_of_si(si_unit));
-    let single = symbols().into_iter().filter(|(_, dimension, _)| *dimension == wanted);
-    let mut units: Vec<&str> = single.map(|(name, ..)| name).collect();
-    let compound = COMPOUND.iter().find(|(unit, _)| *unit == si_unit);
-    units.extend(compound.map_or(&[][..], |(_, units)| units));
-    units
+    let single = SYMBOLS.iter().filter(|(_, dimension, _)| *dimension == wanted);
+    let known = SI_UNITS.iter().filter(|(unit, ..)| *unit == si_unit);
+    let compound = known.flat_map(|(.., units)| units.split(", ")).filter(|unit| !unit.is_empty());
+    single.map(|(name, ..)| *name).chain(compound).collect()
 }
 
 fn unknown(unit: &str, symbol: &str, si_unit: &str) -> Fault {
@@ -290,7 +240,6 @@ fn unknown(unit: &str, symbol: &str, si_unit: &str) -> Fault {
 
 /// Parses a unit such as `N s/m` into symbols with powers.
 fn factors(unit: &str) -> Result<Vec<(Symbol, i32)>, String> {
-    let symbols = symbols();
     let unit =
         unit.replace('μ', "µ").replace('²', "^2").replace('³', "^3").replace("rpm", "rev/min");
     let mut all = Vec::new();
@@ -314,7 +263,7 @@ fn factors(unit: &str) -> Result<Vec<(Symbol, i32)>, String> {
             if word == "1" {
                 continue;
             }
-            let symbol = symbols.iter().find(|(symbol, ..)| *symbol == name);
+            let symbol = SYMBOLS.iter().find(|(symbol, ..)| *symbol == name);
             let symbol = symbol.ok_or_else(|| name.to_owned())?;
             all.push((*symbol, if place > 0 { -power } else { power }));
         }
