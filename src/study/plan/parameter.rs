@@ -8,9 +8,8 @@ use crate::model::{
     Ball, FRICTION_COEFFICIENT, Field, LawParameter, Lowest, MAX_BALLS, Model, NormalForce,
     ParameterDescriptor, SlidingSpeed,
 };
-use crate::study::error::Fault;
+use crate::study::error::{Fault, describe_number};
 use crate::study::file::parameters_file::BALLS;
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::units::{ShownUnits, Unit, short_name};
 
 /// The value of a parameter at a point.
@@ -153,44 +152,45 @@ impl Parameter {
         Parameter::all(model).into_iter().find(|parameter| parameter.name() == name)
     }
 
+    /// Returns the descriptor of a parameter that the kind of model defines.
+    fn descriptor(self) -> Option<&'static ParameterDescriptor> {
+        match self.definition {
+            Definition::Model(parameter) => Some(parameter),
+            Definition::Law(..) | Definition::Balls => None,
+        }
+    }
+
+    /// Returns the name, the unit and the meaning without the number of a ball.
+    fn words(self) -> [&'static str; 3] {
+        match self.definition {
+            Definition::Model(parameter) => [parameter.name, parameter.unit, parameter.meaning],
+            Definition::Law(law, speed) => [law.name(speed), law.unit(speed), law.meaning],
+            Definition::Balls => [BALLS, "1", "number of balls"],
+        }
+    }
+
     /// Returns the name without the number of a ball.
     pub(in crate::study) fn general_name(self) -> &'static str {
-        match self.definition {
-            Definition::Model(parameter) => parameter.name,
-            Definition::Law(law, speed) => law.name(speed),
-            Definition::Balls => BALLS,
-        }
+        self.words()[0]
     }
 
     /// Returns the name, as in the study file.
     pub fn name(self) -> String {
-        let general = self.general_name();
-        match (self.definition, self.member) {
-            (Definition::Model(parameter), Some(member)) => parameter.name_of_member(member),
-            _ => general.to_owned(),
+        match (self.descriptor(), self.member) {
+            (Some(parameter), Some(member)) => parameter.name_of_member(member),
+            _ => self.general_name().to_owned(),
         }
     }
 
     /// Returns the unit: `1` for dimensionless numbers, empty for words.
     pub fn unit(self) -> &'static str {
-        match self.definition {
-            Definition::Model(parameter) => parameter.unit,
-            Definition::Law(law, speed) => law.unit(speed),
-            Definition::Balls => "1",
-        }
+        self.words()[1]
     }
 
     /// Returns the meaning.
     pub fn meaning(self) -> String {
-        let meaning = match self.definition {
-            Definition::Model(parameter) => parameter.meaning,
-            Definition::Law(law, _) => law.meaning,
-            Definition::Balls => "number of balls",
-        };
-        let (Definition::Model(parameter), member) = (self.definition, self.member) else {
-            return meaning.to_owned();
-        };
-        match (parameter.member(), member) {
+        let meaning = self.words()[2];
+        match (self.descriptor().and_then(ParameterDescriptor::member), self.member) {
             (Some(word), Some(number)) => format!("{meaning} of {word} {number}"),
             (Some(word), None) => format!("{meaning} of every {word}"),
             (None, _) => meaning.to_owned(),
@@ -199,23 +199,17 @@ impl Parameter {
 
     /// Returns whether the values are numbers.
     pub fn is_number(self) -> bool {
-        match self.definition {
-            Definition::Model(parameter) => parameter.is_number(),
-            Definition::Law(..) | Definition::Balls => true,
-        }
+        self.descriptor().is_none_or(ParameterDescriptor::is_number)
     }
 
     /// Returns whether the parameter determines another one, so that a model may have no value of it.
     pub fn determines_another(self) -> bool {
-        matches!(self.definition, Definition::Model(parameter) if parameter.determines().is_some())
+        self.descriptor().is_some_and(|parameter| parameter.determines().is_some())
     }
 
     /// Returns whether a model has a value of the parameter.
     pub fn is_given(self, model: &Model) -> bool {
-        match self.definition {
-            Definition::Model(parameter) => parameter.is_given(&mut model.clone()),
-            Definition::Law(..) | Definition::Balls => true,
-        }
+        self.descriptor().is_none_or(|parameter| parameter.is_given(&mut model.clone()))
     }
 
     /// Returns whether the friction law has the parameter.
@@ -225,7 +219,7 @@ impl Parameter {
 
     /// Returns whether each ball may have its own value.
     pub fn is_of_balls(self) -> bool {
-        matches!(self.definition, Definition::Model(parameter) if parameter.is_of_each_ball())
+        self.descriptor().is_some_and(ParameterDescriptor::is_of_each_ball)
     }
 
     /// Returns the number of the ball, from 1, if this is the parameter of one ball.
@@ -234,19 +228,19 @@ impl Parameter {
     }
 
     fn is_of_members(self) -> bool {
-        matches!(self.definition, Definition::Model(parameter) if parameter.member().is_some())
+        self.descriptor().is_some_and(|parameter| parameter.member().is_some())
     }
 
     /// Returns whether the parameter is one of the speed profile or of a kick.
     pub fn is_of_stages(self) -> bool {
         use Field::{Hold, Kick, Profile, Ramp};
         let of_stages = |field| matches!(field, Profile(_) | Ramp(_) | Hold | Kick(_));
-        matches!(self.definition, Definition::Model(parameter) if of_stages(parameter.field))
+        self.descriptor().is_some_and(|parameter| of_stages(parameter.field))
     }
 
     /// Returns whether the value stands under a key of its own in a study file.
     pub fn has_own_key(self) -> bool {
-        matches!(self.definition, Definition::Model(parameter) if parameter.has_own_key())
+        self.descriptor().is_some_and(ParameterDescriptor::has_own_key)
     }
 
     /// Returns whether the parameter applies to all balls, or to all other members, together.

@@ -4,8 +4,8 @@
 use indexmap::IndexMap;
 
 use crate::numbers::to_digits;
+use crate::study::error::describe_number;
 use crate::study::file::key_units::split_unit;
-use crate::study::file::yaml_tree::describe_number;
 
 /// The quantities with a unit of their own: the key under `units`, and the SI unit.
 pub(crate) const QUANTITIES: [(&str, &str); 10] = [
@@ -57,15 +57,14 @@ impl ShownUnits {
 
     /// Returns the unit in which a parameter is shown.
     pub fn shown(&self, name: &str) -> Unit {
-        let si = || split_unit(name).map_or("", |(_, si)| si);
-        let default = || Unit { symbol: si().to_owned(), si: 1.0 };
+        let si = split_unit(name).map_or("", |(_, si)| si);
+        let default = || Unit { symbol: si.to_owned(), si: 1.0 };
         self.of_parameter(name).cloned().unwrap_or_else(default)
     }
 
     /// Returns the unit of the amplitudes of vibration: µm unless the study chooses another one.
     pub fn vibration(&self) -> Unit {
-        let default = || Unit { symbol: "µm".to_owned(), si: 1e-6 };
-        self.0.get(VIBRATION).cloned().unwrap_or_else(default)
+        self.of_quantity(VIBRATION, "µm", 1e-6)
     }
 
     /// Returns whether the study chooses the unit of the amplitudes of vibration.
@@ -75,8 +74,7 @@ impl ShownUnits {
 
     /// Returns the unit of imbalances.
     pub fn imbalance(&self) -> Unit {
-        let default = || Unit { symbol: "g mm".to_owned(), si: 1e-6 };
-        self.0.get("imbalance").cloned().unwrap_or_else(default)
+        self.of_quantity("imbalance", "g mm", 1e-6)
     }
 
     /// Returns the unit of a response with this SI unit; without a symbol for pure numbers.
@@ -90,8 +88,13 @@ impl ShownUnits {
 
     /// Returns the unit of speeds of rotation.
     pub fn speed(&self) -> Unit {
-        let default = || Unit { symbol: "rad/s".to_owned(), si: 1.0 };
-        self.0.get("speed").cloned().unwrap_or_else(default)
+        self.of_quantity("speed", "rad/s", 1.0)
+    }
+
+    /// Returns the unit that the study chooses for a quantity, or the unit with this symbol and value.
+    fn of_quantity(&self, quantity: &str, symbol: &str, si: f64) -> Unit {
+        let default = || Unit { symbol: symbol.to_owned(), si };
+        self.0.get(quantity).cloned().unwrap_or_else(default)
     }
 }
 
