@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::analysis::Estimate;
 use crate::engine::CommandError;
 use crate::optimize::{Evaluation, FinalistRole, Goal, Sensitivity, read_evaluations};
-use crate::study::{Optimization, Study, Unit, Variable};
+use crate::study::{Optimization, Study, Unit};
 use crate::table::{FILES, FileList, Row, Table, TableError};
 
 /// The results of a search.
@@ -111,7 +111,7 @@ impl OptimumData {
     /// Returns the name of a variable in words, without its unit.
     pub fn variable_in_words(&self, name: &str) -> String {
         let variable = self.study.variables().iter().find(|variable| variable.name() == name);
-        variable.map_or_else(|| name.to_owned(), Variable::short_name).replace('_', " ")
+        variable.map_or_else(|| name.to_owned(), |variable| variable.short_name()).replace('_', " ")
     }
 
     /// Returns the largest total index of a response, with its variable in words.

@@ -1,14 +1,15 @@
 //! Variables of a design, and the study with the values of a design.
 
+use std::ops::Deref;
+
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::study::error::{Fault, list_names, shorten};
+use crate::study::error::{Fault, describe_number, list_names, shorten};
 use crate::study::file::schema_parts as schema;
-use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::parameter::Parameter;
-use crate::study::plan::units::{Unit, short_name, six_digits};
+use crate::study::plan::parameter::{Parameter, VariedParameter};
+use crate::study::plan::units::six_digits;
 
 /// A variable of a design: either `from` and `to`, or `choices`.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -27,10 +28,18 @@ pub struct VariableFile {
 /// A variable of a design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    pub(in crate::study) name: String,
+    /// The name, unit and meaning of the values.
+    pub(in crate::study) column: VariedParameter,
     pub(in crate::study) domain: Domain,
-    /// The unit in which people read the values of a parameter, if the study chooses one.
-    pub(in crate::study) shown: Option<Unit>,
+}
+
+/// Names, units and numbers as people read them are those of a column.
+impl Deref for Variable {
+    type Target = VariedParameter;
+
+    fn deref(&self) -> &VariedParameter {
+        &self.column
+    }
 }
 
 /// The values that a variable accepts.
@@ -81,25 +90,7 @@ impl Variable {
 
     /// Returns the unit: `1` for a number of balls, `None` for choices.
     pub fn unit(&self) -> Option<&'static str> {
-        match &self.domain {
-            Domain::Parameter { parameter, .. } => Some(parameter.unit()),
-            Domain::Balls { .. } => Some("1"),
-            Domain::Choices(_) => None,
-        }
-    }
-
-    /// Returns the unit in which people read the values; empty for a pure number and for choices.
-    pub fn shown_unit(&self) -> &str {
-        match (&self.shown, self.unit()) {
-            (Some(unit), _) => &unit.symbol,
-            (None, None | Some("1")) => "",
-            (None, Some(unit)) => unit,
-        }
-    }
-
-    /// Returns the name without a unit.
-    pub fn short_name(&self) -> String {
-        short_name(&self.name, self.unit().unwrap_or_default())
+        Some(self.column.unit).filter(|unit| !unit.is_empty())
     }
 
     /// Returns the name with the unit in which people read the values, such as `speed [rpm]`.
@@ -108,11 +99,6 @@ impl Variable {
             "" => self.name.clone(),
             unit => format!("{} [{unit}]", self.short_name()),
         }
-    }
-
-    /// Returns a number as people read it.
-    pub fn shown_number(&self, value: f64) -> f64 {
-        self.shown.as_ref().map_or(value, |unit| unit.of(value))
     }
 
     /// Returns a value in words, such as `speed_rad_s 300`, `speed 3000 rpm` or `material steel`.
@@ -131,11 +117,7 @@ impl Variable {
 
     /// Returns the meaning.
     pub fn meaning(&self) -> String {
-        match &self.domain {
-            Domain::Parameter { parameter, .. } => parameter.meaning(),
-            Domain::Balls { .. } => "number of balls".to_owned(),
-            Domain::Choices(_) => "name of a choice".to_owned(),
-        }
+        self.column.meaning.clone()
     }
 
     /// Returns the smallest and the largest value, or `None` for choices.

@@ -3,10 +3,11 @@
 use indexmap::IndexMap;
 
 use crate::model::MAX_BALLS;
-use crate::study::error::{Fault, StudyError};
+use crate::study::error::{Fault, StudyError, from_to};
 use crate::study::file::source::SourcePath;
-use crate::study::file::yaml_tree::describe_number;
-use crate::study::plan::parameter::{Parameter, check_number_of_balls};
+use crate::study::plan::parameter::{
+    Parameter, ParameterKind, VariedParameter, check_number_of_balls,
+};
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::{Response, SUFFIXES, is_reserved};
 use crate::study::plan::variable::{Domain, Variable, VariableFile};
@@ -43,11 +44,18 @@ pub(crate) fn resolve_variables(
             }
             set.push(parameter);
         }
-        let shown = match &domain {
-            Domain::Parameter { parameter, .. } => parameter.column().shown_in(&plan.units).shown,
-            _ => None,
+        let column = match &domain {
+            Domain::Parameter { parameter, .. } => parameter.column().shown_in(&plan.units),
+            Domain::Balls { .. } => Parameter::BALLS.column(),
+            Domain::Choices(_) => VariedParameter {
+                name: name.clone(),
+                unit: "",
+                meaning: "name of a choice".to_owned(),
+                kind: ParameterKind::Text,
+                shown: None,
+            },
         };
-        variables.push(Variable { name: name.clone(), domain, shown });
+        variables.push(Variable { column, domain });
     }
     Ok(variables)
 }
@@ -126,8 +134,8 @@ impl VariableRules<'_> {
         let from = file.from.ok_or_else(|| missing("from"))?;
         let to = file.to.ok_or_else(|| missing("to"))?;
         if from > to {
-            let found = format!("from {} to {}", describe_number(from), describe_number(to));
-            return Err(path.wrong_value("reversed range", found, "`from` not above `to`"));
+            let allowed = "`from` not above `to`";
+            return Err(path.wrong_value("reversed range", from_to(from, to), allowed));
         }
         Ok([from, to])
     }
