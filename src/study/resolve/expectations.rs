@@ -1,11 +1,10 @@
 //! The expectations of a study, validated.
 
 use crate::model::Endings;
-use crate::study::error::{StudyError, list_names, shorten};
+use crate::study::error::{StudyError, list_names, low_high, shorten};
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::study_file::ExpectationFile;
 use crate::study::file::values::Range;
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::expectation::Expectation;
 use crate::study::plan::parameter::ParameterValue;
 use crate::study::plan::planned_runs::Plan;
@@ -120,6 +119,6 @@ fn range_of_fractions(path: &SourcePath<'_>, range: Range) -> Result<[f64; 2], S
     if 0.0 <= low && low <= high && high <= 1.0 {
         return Ok(range.0);
     }
-    let found = format!("[{}, {}]", describe_number(low), describe_number(high));
-    Err(path.wrong_value("not a range of fractions", found, "0 <= low <= high <= 1"))
+    let allowed = "0 <= low <= high <= 1";
+    Err(path.wrong_value("not a range of fractions", low_high(low, high), allowed))
 }

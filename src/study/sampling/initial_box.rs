@@ -3,10 +3,9 @@
 use indexmap::IndexMap;
 
 use crate::model::{Coordinate, Model};
-use crate::study::error::{Fault, StudyError, list_names};
+use crate::study::error::{StudyError, list_names, low_high};
 use crate::study::file::source::SourcePath;
 use crate::study::file::values::Range;
-use crate::study::file::yaml_tree::describe_number;
 
 /// Returns the names of the coordinates of a start state, in their order.
 pub(crate) fn axis_names(model: &Model) -> Vec<String> {
@@ -22,7 +21,7 @@ pub(crate) fn axes_in_words(model: &Model) -> Vec<(String, String)> {
             coordinate;
         let range = match coordinate.default_in_words {
             Some(words) => words.to_owned(),
-            None => format!("[{}, {}]", describe_number(low), describe_number(high)),
+            None => low_high(low, high),
         };
         let Some(general) = coordinate.of_every_body else {
             axes.push((coordinate.name, format!("{meaning}, {unit}; default {range}.")));
@@ -95,18 +94,21 @@ impl InitialBox {
                 let mut allowed: Vec<String> =
                     general_names.iter().map(|&name| name.to_owned()).collect();
                 allowed.extend(names);
-                let fault = Fault::new("unknown key", name, list_names(name, &allowed));
-                return Err(path.key(name).refuse_key(fault));
+                let allowed = list_names(name, &allowed);
+                return Err(path.key(name).wrong_key("unknown key", name, allowed));
             }
             if low > high {
-                let found = format!("[{}, {}]", describe_number(*low), describe_number(*high));
-                let allowed = "[low, high] with low not above high";
+                let (found, allowed) =
+                    (low_high(*low, *high), "[low, high] with low not above high");
                 return Err(path.key(name).wrong_value("reversed range", found, allowed));
             }
             if !(high - low).is_finite() {
-                let found = format!("[{}, {}]", describe_number(*low), describe_number(*high));
-                let fault = Fault::new("too wide a range", found, "a finite width");
-                return Err(path.key(name).refuse_value(fault));
+                let found = low_high(*low, *high);
+                return Err(path.key(name).wrong_value(
+                    "too wide a range",
+                    found,
+                    "a finite width",
+                ));
             }
         }
         let range = |coordinate: &Coordinate| {
@@ -127,8 +129,7 @@ impl InitialBox {
             width.is_nan() || width < 0.0
         };
         if let Some(BoxAxis { name, low, high }) = axes.iter().find(is_reversed) {
-            let found =
-                format!("[{}, {}] by default", describe_number(*low), describe_number(*high));
+            let found = format!("{} by default", low_high(*low, *high));
             let allowed = "[low, high] with finite numbers and low not above high";
             return Err(path.key(name).wrong_key("reversed range", found, allowed));
         }
