@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::values::{TableKey, notations};
-use super::yaml_tree::describe_number;
+use crate::study::error::describe_number;
 
 /// A mechanical system: `M q'' = force + contacts`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -57,7 +57,7 @@ pub(in crate::study) struct SystemFile {
 pub(in crate::study) struct ParameterEntry(#[schemars(with = "ValueOrKeys")] pub ParameterKeys);
 
 /// The keys of a parameter.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::study) struct ParameterKeys {
     /// The default: a number, or a value with a unit such as `0.3 kg`.
@@ -88,7 +88,7 @@ pub(in crate::study) enum BoundFile {
 pub(in crate::study) struct OutputEntry(#[schemars(with = "FormulaOrKeys")] pub OutputKeys);
 
 /// The keys of an output.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::study) struct OutputKeys {
     /// Its formula.
@@ -105,7 +105,7 @@ pub(in crate::study) struct OutputKeys {
 pub(in crate::study) struct DerivedEntry(#[schemars(with = "FormulaOrDerived")] pub DerivedKeys);
 
 /// The keys of a quantity of parameters alone.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::study) struct DerivedKeys {
     /// Its formula.
@@ -234,7 +234,7 @@ notations! {
 }
 
 /// A formula, a number, or a value with a unit.
-#[derive(Clone, Debug, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Default, JsonSchema, PartialEq)]
 pub(in crate::study) struct FormulaText(#[schemars(with = "NumberOrText")] pub String);
 
 notations! {
@@ -277,32 +277,19 @@ notations! {
 
 impl DerivedEntry {
     fn of(formula: String) -> Self {
-        DerivedEntry(DerivedKeys {
-            value: FormulaText(formula),
-            unit: None,
-            meaning: String::new(),
-            within: None,
-            usual: None,
-        })
+        DerivedEntry(DerivedKeys { value: FormulaText(formula), ..DerivedKeys::default() })
     }
 }
 
 impl OutputEntry {
     fn of(formula: String) -> Self {
-        OutputEntry(OutputKeys { value: FormulaText(formula), unit: None, meaning: String::new() })
+        OutputEntry(OutputKeys { value: FormulaText(formula), ..OutputKeys::default() })
     }
 }
 
 impl ParameterEntry {
     fn of(value: String) -> Self {
-        let value = FormulaText(value);
-        ParameterEntry(ParameterKeys {
-            value,
-            meaning: String::new(),
-            bound: None,
-            least: None,
-            most: None,
-        })
+        ParameterEntry(ParameterKeys { value: FormulaText(value), ..ParameterKeys::default() })
     }
 }
 
