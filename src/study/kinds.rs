@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use thiserror::Error;
 
 use super::resolve::built_in_system;
+use super::resolve::names::is_key;
 use crate::model::{
     BALL_BALANCER, Capabilities, ContactMode, FRICTION_COEFFICIENT, FRICTION_LAWS, Field, Graph,
     Model, ModelKind, ParameterDescriptor, Start, StateLayout, unit_ending, written_kind_named,
@@ -89,10 +90,6 @@ impl Registry {
 
 /// Checks the names in the table of a kind, and what its parameters are.
 fn check_names(kind: &ModelKind) -> Result<(), String> {
-    let is_key = |name: &str| {
-        let allowed = |letter: u8| matches!(letter, b'a'..=b'z' | b'0'..=b'9' | b'_');
-        name.starts_with(|letter: char| letter.is_ascii_lowercase()) && name.bytes().all(allowed)
-    };
     let of_laws = FRICTION_LAWS.iter().flat_map(|law| law.parameters());
     let of_laws: Vec<&str> = of_laws.map(|parameter| parameter.name(kind.sliding_speed)).collect();
     let mut known: Vec<&str> = vec!["balls"];

@@ -1,7 +1,7 @@
 //! Reads study files: from text to a [`Study`].
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::rc::Rc;
 
 use serde_json::Value;
 
@@ -12,12 +12,11 @@ use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::key_units::{MATERIAL, split_unit};
 use crate::study::file::kind_parameters::{axes_of, parameters_of, parameters_of_any};
 use crate::study::file::ranges::expand_ranges;
-use crate::study::file::read_file::read_text;
 use crate::study::file::resolved_yaml::block_text;
 use crate::study::file::schema_place::SchemaPlace;
 use crate::study::file::source::Source;
 use crate::study::file::study_file::StudyFile;
-use crate::study::file::table_folders::TableFolders;
+use crate::study::file::table_folders::{TableFolders, read_text};
 use crate::study::file::unit_keys::Names;
 use crate::study::file::yaml_tree::{Content, YamlNode};
 use crate::study::kinds::model_kind;
@@ -91,19 +90,19 @@ fn read(
 ) -> Result<Study, (Found, StudyError)> {
     let in_key = |error| (Found::InKey, error);
     let folders = TableFolders::new(file, directories).map_err(in_key)?;
-    let mut source = Source::new(file, text).map_err(in_key)?;
+    let mut source = Source::new(file, text, Rc::new(folders)).map_err(in_key)?;
     without.iter().for_each(|path| leave_out(&mut source.root, path));
     check_schema(&source).map_err(in_key)?;
-    read_system(&mut source, &folders).map_err(in_key)?;
+    read_system(&mut source).map_err(in_key)?;
     expand_ranges(&mut source).map_err(in_key)?;
     add_restitution(&mut source.root);
     let names = Names::of(&source.root);
     check_parameters(&source, &names).map_err(in_key)?;
     let written: StudyFile =
         decode(&source, &names, Some(SchemaPlace::root(&DECLARED))).map_err(in_key)?;
-    source.units = names.into_units();
+    source.units = names.units.into_inner();
     let between = |error| (Found::BetweenKeys, error);
-    resolve(&source, &Arc::new(source.outline()), &written, &folders).map_err(between)
+    resolve(&source, &written).map_err(between)
 }
 
 /// Checks the version first, because the keys of another version may be unknown.
@@ -123,8 +122,12 @@ impl Names {
     /// Returns the names of a study.
     pub fn of(root: &YamlNode) -> Names {
         let kind = root.get("model").and_then(|model| model.get("kind")).map_or("", YamlNode::name);
-        let parameters = model_kind(kind).map_or_else(parameters_of_any, parameters_of);
-        Names::new(parameters, coordinates_of(model_kind(kind)), names_of_choices(root))
+        Names {
+            parameters: model_kind(kind).map_or_else(parameters_of_any, parameters_of),
+            coordinates: coordinates_of(model_kind(kind)),
+            choices: names_of_choices(root),
+            ..Names::default()
+        }
     }
 }
 

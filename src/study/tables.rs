@@ -5,11 +5,10 @@ use std::path::Path;
 
 use arrow_array::RecordBatchReader;
 
-use super::error::{Fault, StudyError};
-use super::file::read_file::read_bytes;
+use super::error::{Fault, StudyError, describe_number};
+use super::file::table_folders::read_bytes;
 use super::file::table_input::{Rows, cells_in_memory};
 use super::file::values::Entry;
-use super::file::yaml_tree::describe_number;
 use super::plan::parameter::{ParameterKind, ParameterValue};
 use super::plan::planned_runs::Plan;
 use super::plan::planned_study::Study;
@@ -112,15 +111,7 @@ impl Plan {
         names.push(STD_DEV.to_owned());
         let rows = Rows::in_file(path, read, &names, Some(Entry::Text(String::new())))?;
         let needed = angles.iter().map(String::as_str).chain([STD_DEV]);
-        if let Some(name) = needed.into_iter().find(|name| !rows.columns.iter().any(|c| c == name))
-        {
-            let fault = Fault::new(
-                format!("no column {name}"),
-                rows.column_names(),
-                format!("the columns {}", names.join(", ")),
-            );
-            return Err(rows.refuse(None, None, fault));
-        }
+        rows.check_has(needed, || format!("the columns {}", names.join(", ")))?;
         (0..rows.rows.len()).map(|row| self.measured_run(&rows, row, &angles)).collect()
     }
 
@@ -246,13 +237,8 @@ impl Study {
         let names: Vec<String> =
             self.variables().iter().map(|variable| variable.name.clone()).collect();
         let rows = Rows::in_file(name, read, &names, None)?;
-        let missing = names.iter().find(|name| !rows.columns.contains(name));
-        if let Some(name) = missing {
-            let found = rows.column_names();
-            let problem = format!("no column {name}");
-            let allowed = format!("a column for each variable: {}", names.join(", "));
-            return Err(rows.refuse(None, None, Fault::new(problem, found, allowed)));
-        }
+        let allowed = || format!("a column for each variable: {}", names.join(", "));
+        rows.check_has(names.iter().map(String::as_str), allowed)?;
         (0..rows.rows.len()).map(|row| self.design_of(&rows, row)).collect()
     }
 

@@ -65,7 +65,7 @@ pub(in crate::study) fn decode<T: DeserializeOwned>(
         });
     }
     let names: Vec<String> =
-        missing.iter().map(|path| format!("`{}`", source.as_written(path))).collect();
+        missing.iter().map(|path| format!("`{}`", source.root.as_written(path))).collect();
     let examples: Vec<String> = missing
         .iter()
         .map(|path| {

@@ -31,9 +31,9 @@ impl KeyPath {
         Some(KeyPath(steps))
     }
 
-    /// Creates the path of the keys in `keys`, which are joined by dots.
-    pub fn of(keys: &str) -> KeyPath {
-        KeyPath(keys.split('.').map(|key| Segment::Key(key.to_owned())).collect())
+    /// Creates the path with this text, or that of a single key if a part of the text is no key and no item.
+    pub fn of(text: &str) -> KeyPath {
+        KeyPath::parse(text).unwrap_or_else(|| KeyPath(vec![Segment::Key(text.to_owned())]))
     }
 }
 

@@ -5,17 +5,15 @@
 //! writes a study with all defaults, and the files `schema_…` make the JSON Schema.
 //! The other files are helpers of these; read them where they are imported.
 
-pub mod balls;
 pub(in crate::study) mod decode;
 pub(in crate::study) mod friction_file;
 pub(in crate::study) mod key_path;
 pub(in crate::study) mod key_units;
 pub(in crate::study) mod kind_parameters;
+pub mod model_parts;
 pub(in crate::study) mod parameters_file;
-mod parameters_schema;
 pub(in crate::study) mod quantity;
 pub(in crate::study) mod ranges;
-pub(in crate::study) mod read_file;
 pub(in crate::study) mod resolved_yaml;
 pub(in crate::study) mod schema_parts;
 pub(in crate::study) mod schema_place;
@@ -23,7 +21,6 @@ pub(in crate::study) mod schema_rules;
 pub(in crate::study) mod schema_units;
 pub mod searches_file;
 pub(in crate::study) mod source;
-pub mod stages_file;
 pub mod study_file;
 pub(in crate::study) mod system_file;
 pub(in crate::study) mod table_folders;

@@ -11,7 +11,7 @@ use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::balls::Balls;
+use super::model_parts::Balls;
 use crate::model::ModelKind;
 use crate::study::kinds::{model_kind, model_kinds};
 

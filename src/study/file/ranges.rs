@@ -1,12 +1,12 @@
 //! Ranges of swept values, such as `{from: 1000 rpm, to: 6000 rpm, count: 6}`: each becomes a list before the file is
 //! decoded.
 
-use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
+use crate::study::error::{Fault, StudyError, describe_number, from_to, list_names, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::quantity::split_number;
-use crate::study::file::source::Source;
+use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::table_folders::MAX_VALUES;
-use crate::study::file::yaml_tree::{Content, YamlNode, describe_number};
+use crate::study::file::yaml_tree::{Content, YamlNode};
 
 const KEYS: [&str; 5] = ["from", "to", "count", "step", "spacing"];
 const FORMS: &str = "{from: 1, to: 5, count: 9}, {from: 1, to: 5, step: 0.5}, \
@@ -14,60 +14,41 @@ const FORMS: &str = "{from: 1, to: 5, count: 9}, {from: 1, to: 5, step: 0.5}, \
 
 /// Replaces the ranges under `grid` and `zip` by lists.
 pub(in crate::study) fn expand_ranges(source: &mut Source) -> Result<(), StudyError> {
-    let mut found: Result<(), (KeyPath, Wrong)> = Ok(());
     let mut left = MAX_VALUES;
-    for (path, list) in lists(&mut source.root) {
-        if let Content::Map(_) = list.content {
-            match WrittenRange::read(list).and_then(|range| range.values(list, left)) {
-                Err(wrong) => {
-                    found = Err((path, wrong));
-                    break;
-                }
-                Ok(values) => {
-                    left -= values.len();
-                    list.content = Content::List(values);
-                }
-            }
+    for path in ranges(&source.root) {
+        let range = source.at(path.clone());
+        let Some(node) = range.node() else { continue };
+        let values = WrittenRange::read(&range, node)?.values(&range, node, left)?;
+        left -= values.len();
+        if let Some(node) = source.root.at_mut(&path.0) {
+            node.content = Content::List(values);
         }
     }
-    found.map_err(|(mut path, (place, key, fault))| {
-        path.0.extend(key.map(|key| Segment::Key(key.to_owned())));
-        source.refuse_at(place, &path, fault)
-    })
+    Ok(())
 }
 
-/// Returns the values of every parameter under `grid` and `zip`, with their paths.
-fn lists(root: &mut YamlNode) -> Vec<(KeyPath, &mut YamlNode)> {
-    let Some(Content::List(blocks)) = entry(root, "sweep").map(|sweep| &mut sweep.content) else {
+/// Returns the paths of the ranges under `grid` and `zip`.
+fn ranges(root: &YamlNode) -> Vec<KeyPath> {
+    let Some(Content::List(blocks)) = root.get("sweep").map(|sweep| &sweep.content) else {
         return Vec::new();
     };
     let mut all = Vec::new();
-    for (index, block) in blocks.iter_mut().enumerate() {
-        let Content::Map(parts) = &mut block.content else { continue };
-        for (part, lists) in parts {
-            let Content::Map(lists) = &mut lists.content else { continue };
-            if !["grid", "zip"].contains(&part.name()) {
+    for (index, block) in blocks.iter().enumerate() {
+        for part in ["grid", "zip"] {
+            let Some(Content::Map(lists)) = block.get(part).map(|lists| &lists.content) else {
                 continue;
-            }
-            for (parameter, list) in lists {
-                let mut path = KeyPath::of("sweep");
-                path.0.push(Segment::Item(index));
-                path.0.push(Segment::Key(part.name().to_owned()));
-                path.0.push(Segment::Key(parameter.name().to_owned()));
-                all.push((path, list));
+            };
+            for (parameter, _) in
+                lists.iter().filter(|(_, list)| matches!(list.content, Content::Map(_)))
+            {
+                let key = |name: &str| Segment::Key(name.to_owned());
+                let parameter = key(parameter.name());
+                all.push(KeyPath(vec![key("sweep"), Segment::Item(index), key(part), parameter]));
             }
         }
     }
     all
 }
-
-fn entry<'a>(node: &'a mut YamlNode, name: &str) -> Option<&'a mut YamlNode> {
-    let Content::Map(entries) = &mut node.content else { return None };
-    entries.iter_mut().find(|(key, _)| key.name() == name).map(|(_, value)| value)
-}
-
-/// A fault with its place and its key in the range.
-type Wrong = (Location, Option<&'static str>, Fault);
 
 /// A range as it is written; its numbers are in its unit.
 struct WrittenRange {
@@ -85,25 +66,19 @@ enum Steps {
 }
 
 impl WrittenRange {
-    fn read(node: &YamlNode) -> Result<WrittenRange, Wrong> {
-        let refuse = |key: Option<&'static str>, fault| {
-            let place = key.and_then(|key| node.get(key)).map_or(node.place, |node| node.place);
-            (place, key, fault)
-        };
+    fn read(path: &SourcePath<'_>, node: &YamlNode) -> Result<WrittenRange, StudyError> {
         if let Content::Map(entries) = &node.content
             && let Some((key, _)) = entries.iter().find(|(key, _)| !KEYS.contains(&key.name()))
         {
             let allowed = list_names(key.name(), &KEYS);
             let fault = Fault::new("unknown key of a range", shorten(key.name()), allowed);
-            return Err((key.place, None, fault));
+            return Err(path.refuse_at(key.place, fault));
         }
-        let missing = |key| refuse(Some(key), Fault::new("missing key", "no such key", FORMS));
+        let missing = |key| path.key(key).wrong_value("missing key", "no such key", FORMS);
         let number = |key| {
             let node = node.get(key).ok_or_else(|| missing(key))?;
-            number(node).ok_or_else(|| {
-                let fault = Fault::new("wrong type", node.describe(), "a number");
-                refuse(Some(key), fault)
-            })
+            let wrong = || path.key(key).wrong_value("wrong type", node.describe(), "a number");
+            number(node).ok_or_else(wrong)
         };
         let (from, unit) = number("from")?;
         let (to, unit_of_to) = number("to")?;
@@ -116,71 +91,74 @@ impl WrittenRange {
                 unit => format!("a value in {}", shorten(unit)),
             });
             let problem = "another unit than that of `from`";
-            Err(refuse(Some(key), Fault::new(problem, found, allowed)))
+            Err(path.key(key).wrong_value(problem, found, allowed))
         };
         same_unit("to", unit_of_to)?;
-        let spacing = node.get("spacing").map(|spacing| match spacing.name() {
-            "linear" => Ok(false),
-            "logarithmic" => Ok(true),
-            _ => {
-                let fault = Fault::new("unknown choice", spacing.describe(), "linear, logarithmic");
-                Err(refuse(Some("spacing"), fault))
-            }
-        });
-        let logarithmic = spacing.transpose()?.unwrap_or(false);
+        let logarithmic = match node.get("spacing") {
+            None => false,
+            Some(spacing) => match spacing.name() {
+                "linear" => false,
+                "logarithmic" => true,
+                _ => {
+                    let (found, allowed) = (spacing.describe(), "linear, logarithmic");
+                    return Err(path.key("spacing").wrong_value("unknown choice", found, allowed));
+                }
+            },
+        };
+        let step_path = path.key("step");
         let steps = match (node.get("count"), node.get("step")) {
             (None, None) => return Err(missing("count")),
             (Some(_), Some(_)) => {
-                let fault = Fault::new("both `count` and `step`", "both keys", "one of the two");
-                return Err(refuse(Some("step"), fault));
+                let problem = "both `count` and `step`";
+                return Err(step_path.wrong_value(problem, "both keys", "one of the two"));
             }
             (Some(count), None) => {
-                let count = match count.content {
+                let number = match count.content {
                     Content::Natural(count) if count >= 2 => usize::try_from(count).ok(),
                     _ => None,
-                }
-                .ok_or_else(|| {
+                };
+                let number = number.ok_or_else(|| {
                     let allowed = format!("a whole number from 2 to {MAX_VALUES}");
-                    let fault = Fault::new("not a number of values", count.describe(), allowed);
-                    refuse(Some("count"), fault)
+                    let found = count.describe();
+                    path.key("count").wrong_value("not a number of values", found, allowed)
                 })?;
-                if logarithmic { Steps::Logarithmic(count) } else { Steps::Linear(count) }
+                if logarithmic { Steps::Logarithmic(number) } else { Steps::Linear(number) }
             }
             (None, Some(_)) if logarithmic => {
+                let problem = "a step between logarithmic values";
                 let allowed = "`count` with `spacing: logarithmic`";
-                let fault = Fault::new("a step between logarithmic values", "`step`", allowed);
-                return Err(refuse(Some("step"), fault));
+                return Err(step_path.wrong_value(problem, "`step`", allowed));
             }
             (None, Some(_)) => {
                 let (step, unit_of_step) = number("step")?;
                 same_unit("step", unit_of_step)?;
                 if (to - from) * step <= 0.0 || step == 0.0 {
-                    let found = format!(
-                        "step {} from {} to {}",
-                        describe_number(step),
-                        describe_number(from),
-                        describe_number(to)
-                    );
+                    let found = format!("step {} {}", describe_number(step), from_to(from, to));
                     let allowed = "a step that leads from `from` to `to`: positive upwards, negative downwards";
-                    return Err(refuse(
-                        Some("step"),
-                        Fault::new("a step that does not arrive", found, allowed),
+                    return Err(step_path.wrong_value(
+                        "a step that does not arrive",
+                        found,
+                        allowed,
                     ));
                 }
                 Steps::By(step)
             }
         };
         if logarithmic && from * to <= 0.0 {
-            let found = format!("from {} to {}", describe_number(from), describe_number(to));
+            let problem = "logarithmic values through 0";
             let allowed = "`from` and `to` both above 0, or both below 0";
-            let fault = Fault::new("logarithmic values through 0", found, allowed);
-            return Err(refuse(Some("spacing"), fault));
+            return Err(path.key("spacing").wrong_value(problem, from_to(from, to), allowed));
         }
         Ok(WrittenRange { from, to, steps, unit })
     }
 
     /// Returns the values, at most `most`, as nodes at the place of the range.
-    fn values(&self, node: &YamlNode, most: usize) -> Result<Vec<YamlNode>, Wrong> {
+    fn values(
+        &self,
+        path: &SourcePath<'_>,
+        node: &YamlNode,
+        most: usize,
+    ) -> Result<Vec<YamlNode>, StudyError> {
         let WrittenRange { from, to, .. } = *self;
         let (count, arrives) = match self.steps {
             Steps::Linear(count) | Steps::Logarithmic(count) => (count, true),
@@ -194,9 +172,8 @@ impl WrittenRange {
             }
         };
         if count > most {
-            let found = format!("{count} values");
             let allowed = format!("at most {MAX_VALUES} values in all ranges");
-            return Err((node.place, None, Fault::new("too many values", found, allowed)));
+            return Err(path.wrong_value("too many values", format!("{count} values"), allowed));
         }
         let last = count - 1;
         let item = |index: usize| {

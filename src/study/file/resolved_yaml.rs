@@ -1,6 +1,4 @@
-//! The resolved study in the form of a study file, and its hash.
-
-use std::sync::OnceLock;
+//! The text of a resolved study in the form of a study file.
 
 use serde_json::Value;
 
@@ -9,20 +7,6 @@ use crate::study::file::study_file::StudyFile;
 /// Words that YAML 1.1 or some parsers do not treat as text.
 const AMBIGUOUS_WORDS: [&str; 11] =
     ["true", "false", "yes", "no", "on", "off", "y", "n", "null", "nan", "inf"];
-
-/// A resolved study file with its cached text and hash, which every table needs.
-#[derive(Clone, Debug)]
-pub(in crate::study) struct ResolvedFile {
-    pub(in crate::study) file: StudyFile,
-    pub(in crate::study) yaml: OnceLock<String>,
-    pub(in crate::study) hash: OnceLock<String>,
-}
-
-impl ResolvedFile {
-    pub(in crate::study) fn new(file: StudyFile) -> Self {
-        ResolvedFile { file, yaml: OnceLock::new(), hash: OnceLock::new() }
-    }
-}
 
 /// Returns the file as plain values, without keys that are not given. Its types always serialise.
 pub(in crate::study) fn to_value(file: &StudyFile) -> Value {

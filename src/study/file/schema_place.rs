@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::yaml_tree::describe_number;
+use crate::study::error::describe_number;
 
 /// A value in the schema.
 #[derive(Clone, Copy)]

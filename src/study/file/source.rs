@@ -1,16 +1,26 @@
 //! A study file: its text, its tree and its name, and the paths in it at which faults are reported.
 
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use serde_saphyr::options::DuplicateKeyPolicy;
 
 use crate::study::error::{Fault, Location, StudyError};
 use crate::study::file::key_path::{KeyPath, Segment};
+use crate::study::file::table_folders::TableFolders;
 use crate::study::file::yaml_fault::reader_error;
 use crate::study::file::yaml_tree::{Content, YamlNode, parsed};
 
-/// The text of a study file, its tree and its name, which a message needs.
+/// The keys of a study file and their places.
 #[derive(Clone, Debug)]
+pub(crate) struct Outline {
+    /// The name of the file.
+    pub file: PathBuf,
+    /// The whole file without lists of values, which may be long.
+    pub root: YamlNode,
+}
+
+/// The text of a study file, its tree and its name, which a message needs.
 pub(crate) struct Source {
     /// The name of the file.
     pub file: PathBuf,
@@ -20,6 +30,8 @@ pub(crate) struct Source {
     pub root: YamlNode,
     /// The first unit of each key with a unit: the key without its unit, the unit as it is written, and the SI unit.
     pub units: Vec<(String, String, &'static str)>,
+    /// Where the tables of the file may be.
+    pub folders: Rc<TableFolders>,
 }
 
 impl Source {
@@ -28,11 +40,11 @@ impl Source {
     /// # Errors
     /// Returns an error if the text is empty, is not YAML, contains more than one document, is too
     /// deep or too large, repeats a key, or contains a number that is not finite.
-    pub fn new(file: &Path, text: String) -> Result<Source, StudyError> {
+    pub fn new(file: &Path, text: String, folders: Rc<TableFolders>) -> Result<Source, StudyError> {
         match parsed(&text, DuplicateKeyPolicy::Error) {
             Ok(root) => {
                 let file = file.to_path_buf();
-                let source = Source { file, text, root, units: Vec::new() };
+                let source = Source { file, text, root, units: Vec::new(), folders };
                 source.check_top()?;
                 source.check_finite()?;
                 Ok(source)
@@ -63,46 +75,26 @@ impl Source {
         Err(self.refuse_at(node.place, &path, fault))
     }
 
-    /// Returns the keys and their places, without the text and without lists of values, which may be long.
-    pub fn outline(&self) -> Source {
-        let (root, text) = (self.root.outline(), String::new());
-        Source { file: self.file.clone(), text, root, units: Vec::new() }
+    /// Returns the keys and their places.
+    pub fn outline(&self) -> Outline {
+        Outline { file: self.file.clone(), root: self.root.outline() }
     }
 
     /// Creates the message for a fault at a known place.
     pub fn refuse_at(&self, place: Location, path: &KeyPath, fault: Fault) -> StudyError {
         let line = self.text.lines().nth(place.line.saturating_sub(1));
-        let path = self.as_written(path).to_string();
+        let path = self.root.as_written(path).to_string();
         StudyError::new(&self.file, Some(place), path, fault, line)
-    }
-
-    /// Returns the value at a path.
-    pub fn node(&self, path: &KeyPath) -> Option<&YamlNode> {
-        path.0.iter().try_fold(&self.root, |node, step| Some(node.below(step)?.1))
-    }
-
-    /// Returns a path with the keys as the file writes them.
-    pub fn as_written(&self, path: &KeyPath) -> KeyPath {
-        let mut node = Some(&self.root);
-        let written = |step: &Segment| {
-            let below = node.and_then(|node| node.below(step));
-            node = below.map(|(_, value)| value);
-            match (step, below) {
-                (Segment::Key(_), Some((key, _))) => Segment::Key(key.name().to_owned()),
-                _ => step.clone(),
-            }
-        };
-        KeyPath(path.0.iter().map(written).collect())
-    }
-
-    /// Returns the path of the whole file.
-    pub fn root_path(&self) -> SourcePath<'_> {
-        SourcePath { source: self, path: KeyPath::default() }
     }
 
     /// Returns a path, such as `simulation.band`.
     pub fn path(&self, path: &str) -> SourcePath<'_> {
-        SourcePath { source: self, path: KeyPath::of(path) }
+        self.at(KeyPath::of(path))
+    }
+
+    /// Returns the place of a path.
+    pub fn at(&self, path: KeyPath) -> SourcePath<'_> {
+        SourcePath { source: self, path }
     }
 }
 
@@ -132,17 +124,36 @@ impl<'a> SourcePath<'a> {
 
     /// Returns the value, if the file contains it.
     pub fn node(&self) -> Option<&'a YamlNode> {
-        self.source.node(&self.path)
+        self.source.root.at(&self.path)
+    }
+
+    /// Returns where the tables of the file may be.
+    pub fn folders(&self) -> &'a TableFolders {
+        &self.source.folders
+    }
+
+    /// Returns the path of the choice at this path: of the only key of a map, or of a word.
+    pub fn chosen(&self) -> SourcePath<'a> {
+        let name = self.node().map_or("", |node| match &node.content {
+            Content::Map(entries) => entries.first().map_or("", |(key, _)| key.name()),
+            _ => node.name(),
+        });
+        self.key(name)
+    }
+
+    /// Creates the message for a fault at a known place.
+    pub fn refuse_at(&self, place: Location, fault: Fault) -> StudyError {
+        self.source.refuse_at(place, &self.path, fault)
     }
 
     /// Creates the message for a faulty value.
     pub fn refuse_value(&self, fault: Fault) -> StudyError {
-        self.source.refuse_at(self.place(false), &self.path, fault)
+        self.refuse_at(self.place(false), fault)
     }
 
     /// Creates the message for a faulty key.
     pub fn refuse_key(&self, fault: Fault) -> StudyError {
-        self.source.refuse_at(self.place(true), &self.path, fault)
+        self.refuse_at(self.place(true), fault)
     }
 
     /// Creates the message for a value: the problem, what was found, and what is allowed.

@@ -8,16 +8,16 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::model::{NormalForce, Simulation};
-use crate::study::file::balls::ContactFile;
 use crate::study::file::friction_file::FrictionFile;
+use crate::study::file::model_parts::{
+    ContactFile, DisturbanceFile, ProfilePartFile, ProtocolFile,
+};
 use crate::study::file::parameters_file::{KindFile, ParametersFile};
 use crate::study::file::schema_parts as schema;
 use crate::study::file::searches_file::{IdentifyFile, OptimizeFile};
-use crate::study::file::stages_file::{DisturbanceFile, ProfilePartFile, ProtocolFile};
 use crate::study::file::uncertain_file::{DistributionFile, UncertainSamplingFile};
 use crate::study::file::values::{Count, Entry, Range, TableKey};
-use crate::study::plan::audit::Audit;
-use crate::study::plan::precision::Precision;
+use crate::study::plan::precision::{Audit, Precision};
 use crate::study::plan::response::ResponseFile;
 use crate::study::plan::variable::VariableFile;
 use crate::study::sampling::sampling_design::MAX_SOBOL_SAMPLES;

@@ -1,4 +1,4 @@
-//! Decides which files the tables of a study may be, and limits their total size.
+//! Reads files of limited size: study files, and their tables, which must lie in certain directories.
 //!
 //! A study file may come from an untrusted source. Its tables must therefore lie in the study file's directory, in one of its
 //! subdirectories, or in a directory that the user names on the command line. Naming a directory grants access only: the
@@ -6,12 +6,13 @@
 //! options.
 
 use std::cell::Cell;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
 use crate::study::error::{Fault, StudyError, shorten};
-use crate::study::file::read_file::{read_bytes, unreadable};
 use crate::study::file::yaml_tree::MAX_FILE_BYTES;
+use crate::tabular::to_text;
 
 /// The largest number of values in all sweeps and tables of a study together.
 pub(crate) const MAX_VALUES: usize = 1_000_000;
@@ -143,4 +144,40 @@ fn leaves_directory(path: &Path) -> bool {
         }
     }
     false
+}
+
+/// Reads a regular file of limited size.
+pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, Fault> {
+    let metadata = fs::metadata(file).map_err(|error| unreadable(&error))?;
+    if !metadata.is_file() {
+        // Checked before opening, because opening a named pipe would wait for a writer.
+        let what = if metadata.is_dir() { "a directory" } else { "not a regular file" };
+        return Err(Fault::new(format!("this is {what}"), what, "a regular file"));
+    }
+    if metadata.len() > MAX_FILE_BYTES {
+        return Err(too_large(format!("{} bytes", metadata.len())));
+    }
+    let mut bytes = Vec::new();
+    // The content decides, not the size in the metadata: a file may grow, and files in /proc have size 0.
+    File::open(file)
+        .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|error| unreadable(&error))?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(too_large(format!("more than {MAX_FILE_BYTES} bytes")));
+    }
+    Ok(bytes)
+}
+
+/// Reads a text file of limited size.
+pub(crate) fn read_text(file: &Path) -> Result<String, Fault> {
+    to_text(read_bytes(file)?)
+}
+
+/// Converts an input/output error of a file into a fault.
+pub(crate) fn unreadable(error: &io::Error) -> Fault {
+    Fault { problem: error.to_string(), found: None, allowed: Some("a readable file".to_owned()) }
+}
+
+fn too_large(found: String) -> Fault {
+    Fault::new("the file is too large", found, format!("at most {MAX_FILE_BYTES} bytes"))
 }

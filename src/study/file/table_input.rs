@@ -4,13 +4,12 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use crate::study::error::{Fault, Location, StudyError, list_names, shorten};
+use crate::study::error::{Fault, Location, StudyError, describe_number, list_names, shorten};
 use crate::study::file::key_units::split_unit;
 use crate::study::file::quantity::Conversion;
 use crate::study::file::source::SourcePath;
-use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
+use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::values::{Entry, InlineTable, TableKey};
-use crate::study::file::yaml_tree::describe_number;
 use crate::tabular::{Cell, Cells, Limits, Refusal, check_name, ragged};
 
 /// A table whose column names are valid and distinct.
@@ -36,12 +35,11 @@ struct TableFile {
 
 /// Returns the rows of a table of times and values, whose times grow from 0; `names` are those of its columns.
 pub(in crate::study) fn values_over_time(
-    folders: &TableFolders,
     path: &SourcePath<'_>,
     table: &TableKey,
     names: [String; 2],
 ) -> Result<Vec<[f64; 2]>, StudyError> {
-    let read = Rows::read(folders, path, table, &names)?;
+    let read = Rows::read(path, table, &names)?;
     let numbers = read.numbers(&names)?;
     let mut rows: Vec<[f64; 2]> = Vec::new();
     for (row, values) in numbers.iter().enumerate() {
@@ -85,14 +83,13 @@ impl<'a> Rows<'a> {
     /// Returns an error if the file cannot or must not be read, if a row has more or fewer values than there are columns,
     /// if a column is unknown or given twice, if a value is missing or not finite, or if the table has no rows.
     pub fn read(
-        folders: &TableFolders,
         path: &SourcePath<'a>,
         table: &TableKey,
         allowed: &[String],
     ) -> Result<Rows<'a>, StudyError> {
         match table {
             TableKey::Inline(inline) => Rows::of_inline(path, inline, allowed),
-            TableKey::File(name) => Rows::of_file(folders, path, name, allowed),
+            TableKey::File(name) => Rows::of_file(path, name, allowed),
         }
     }
 
@@ -115,19 +112,18 @@ impl<'a> Rows<'a> {
     }
 
     fn of_file(
-        folders: &TableFolders,
         path: &SourcePath<'a>,
         name: &str,
         allowed: &[String],
     ) -> Result<Rows<'a>, StudyError> {
-        let (file, bytes) = folders.read(name).map_err(|mut fault| {
+        let (file, bytes) = path.folders().read(name).map_err(|mut fault| {
             fault.problem = format!("the table cannot be read: {}", fault.problem);
             path.refuse_value(fault)
         })?;
         check_name(&file, "a name that ends in .csv or .parquet")
             .map_err(|fault| path.refuse_value(Fault { found: Some(shorten(name)), ..fault }))?;
         let rows = Rows::in_file(&file, |limits| Cells::read(&file, bytes, limits), allowed, None)?;
-        folders
+        path.folders()
             .count(rows.rows.len() * rows.columns.len())
             .map_err(|fault| path.refuse_value(fault))?;
         Ok(rows)
@@ -208,6 +204,17 @@ impl<'a> Rows<'a> {
     /// Returns the place of the column with this name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| column == name)
+    }
+
+    /// Checks that the table has these columns; `allowed` says in words which columns it needs.
+    pub fn check_has<'n>(
+        &self,
+        mut names: impl Iterator<Item = &'n str>,
+        allowed: impl Fn() -> String,
+    ) -> Result<(), StudyError> {
+        let Some(name) = names.find(|name| self.column(name).is_none()) else { return Ok(()) };
+        let fault = Fault::new(format!("no column {name}"), self.column_names(), allowed());
+        Err(self.refuse(None, None, fault))
     }
 
     /// Returns the names of the columns, for messages.

@@ -58,13 +58,13 @@ enum ValueNotation {
 /// What a study calls by names that depend on its model; nothing for a file that is no study.
 #[derive(Default)]
 pub(in crate::study) struct Names {
-    parameters: Vec<String>,
+    pub parameters: Vec<String>,
     /// The coordinates with a unit.
-    coordinates: Vec<String>,
+    pub coordinates: Vec<String>,
     /// The design's variables with choices.
-    choices: Vec<String>,
+    pub choices: Vec<String>,
     /// The first unit of each key with a unit: the key without its unit, the unit as it is written, and the SI unit.
-    units: RefCell<Vec<(String, String, &'static str)>>,
+    pub units: RefCell<Vec<(String, String, &'static str)>>,
 }
 
 impl UnitKey<'static> {
@@ -74,16 +74,6 @@ impl UnitKey<'static> {
 }
 
 impl Names {
-    /// Creates the names of parameters, of coordinates with a unit, and of variables with choices.
-    pub fn new(parameters: Vec<String>, coordinates: Vec<String>, choices: Vec<String>) -> Names {
-        Names { parameters, coordinates, choices, ..Names::default() }
-    }
-
-    /// Returns the first unit of each key with a unit.
-    pub fn into_units(self) -> Vec<(String, String, &'static str)> {
-        self.units.into_inner()
-    }
-
     /// Returns the SI name of a key and, if it has a unit, how its values are written.
     pub fn find<'a>(&'a self, keys: Keys, written: &'a str) -> (&'a str, Option<UnitKey<'a>>) {
         let (fields, names): (&[&str], &[String]) = match keys {

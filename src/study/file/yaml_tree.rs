@@ -10,8 +10,7 @@ use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Vis
 use serde_saphyr::Spanned;
 use serde_saphyr::options::{DuplicateKeyPolicy, MergeKeyPolicy, NonFiniteFloatPolicy};
 
-pub(crate) use crate::numbers::describe_number;
-use crate::study::error::{Location, shorten};
+use crate::study::error::{Location, describe_number, shorten};
 use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::key_units::without_unit;
 
@@ -153,6 +152,25 @@ impl YamlNode {
     }
 
     /// Returns the value at a path.
+    pub fn at(&self, path: &KeyPath) -> Option<&YamlNode> {
+        path.0.iter().try_fold(self, |node, step| Some(node.below(step)?.1))
+    }
+
+    /// Returns a path with the keys as the file writes them.
+    pub fn as_written(&self, path: &KeyPath) -> KeyPath {
+        let mut node = Some(self);
+        let written = |step: &Segment| {
+            let below = node.and_then(|node| node.below(step));
+            node = below.map(|(_, value)| value);
+            match (step, below) {
+                (Segment::Key(_), Some((key, _))) => Segment::Key(key.name().to_owned()),
+                _ => step.clone(),
+            }
+        };
+        KeyPath(path.0.iter().map(written).collect())
+    }
+
+    /// Returns the value at a path, in which keys are exactly as the file writes them.
     pub fn at_mut(&mut self, path: &[Segment]) -> Option<&mut YamlNode> {
         let mut node = self;
         for step in path {

@@ -2,7 +2,7 @@
 
 use crate::model::{Ball, Model, ParameterDescriptor};
 use crate::study::error::Fault;
-use crate::study::file::balls::BallFile;
+use crate::study::file::model_parts::BallFile;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 
 /// The model before any parameter is swept or drawn.

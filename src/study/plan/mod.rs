@@ -4,7 +4,6 @@
 //! `planned_runs` with `uncertain_draws`, and last `planned_study` with `variable`, `response` and `searches`.
 //! The other files are helpers of these; read them where they are imported.
 
-pub(in crate::study) mod audit;
 pub(in crate::study) mod base;
 pub(in crate::study) mod expectation;
 pub(in crate::study) mod parameter;
@@ -15,7 +14,6 @@ pub(in crate::study) mod precision;
 pub(in crate::study) mod repeated_points;
 pub(in crate::study) mod resolved_study;
 pub(in crate::study) mod response;
-pub(in crate::study) mod run_numbers;
 pub(in crate::study) mod searches;
 pub(in crate::study) mod shown_values;
 pub(in crate::study) mod sweep;

@@ -217,13 +217,11 @@ impl Study {
         let of_all = Parameter::find(general, &self.base.model);
         let of_ball = ball.and_then(|ball| Some(of_all?.of_one_member(ball).name()));
         let names: Vec<&str> = of_ball.as_deref().into_iter().chain([general]).collect();
-        let block = self.block_of(point_id);
-        let columns = self.blocks.get(block).map_or(&[][..], |block| &block.columns);
+        let index = self.block_of(point_id);
+        let block = &self.blocks[index];
         for name in &names {
-            if columns.iter().any(|(parameter, _)| parameter.name() == *name) {
-                let listed = ["grid", "zip"].map(|kind| format!("sweep[{block}].{kind}.{name}"));
-                let listed = listed.into_iter().find(|key| self.has_key(key));
-                return listed.unwrap_or_else(|| format!("sweep[{block}].table"));
+            if block.columns.iter().any(|(parameter, _)| parameter.name() == *name) {
+                return block.listing.path_of(&format!("sweep[{index}]"), name);
             }
             if let Some(variable) = self.variables().iter().find(|variable| variable.sets(name)) {
                 return format!("design.{}", variable.name());

@@ -4,13 +4,12 @@ use std::ops::{Range, RangeInclusive};
 use std::sync::{Arc, OnceLock};
 
 use crate::model::{Case, InvalidParameter, Model, Simulation, Start};
-use crate::study::file::resolved_yaml::ResolvedFile;
-use crate::study::file::source::Source;
-use crate::study::plan::audit::Audit;
+use crate::study::file::source::Outline;
+use crate::study::file::study_file::StudyFile;
 use crate::study::plan::base::Base;
 use crate::study::plan::expectation::{Expectation, same};
 use crate::study::plan::parameter::{Parameter, ParameterValue, VariedParameter};
-use crate::study::plan::precision::{Precision, Sampling};
+use crate::study::plan::precision::{Audit, Precision, Sampling};
 use crate::study::plan::sweep::{Block, Listing, PointSampling};
 use crate::study::plan::uncertain_parameter::UncertainParameter;
 use crate::study::plan::units::ShownUnits;
@@ -38,9 +37,13 @@ pub struct Plan {
     /// The parameters that others determine, such as the mass of a ball whose density is given.
     pub(in crate::study) determined: Vec<&'static str>,
     pub(in crate::study) units: ShownUnits,
-    pub(in crate::study) resolved: ResolvedFile,
+    /// The study file with all defaults.
+    pub(in crate::study) resolved: StudyFile,
+    /// Its text and its hash, once they are known; every table needs them.
+    pub(in crate::study) resolved_yaml: OnceLock<String>,
+    pub(in crate::study) hash: OnceLock<String>,
     /// The keys of the study file as it is written, for messages about them.
-    pub(in crate::study) source: Arc<Source>,
+    pub(in crate::study) source: Arc<Outline>,
 }
 
 /// One point of the sweep.
@@ -99,12 +102,12 @@ pub struct PlannedRun {
 impl Plan {
     /// Returns the name of the study.
     pub fn name(&self) -> &str {
-        &self.resolved.file.name
+        &self.resolved.name
     }
 
     /// Returns the seed of all random numbers.
     pub fn seed(&self) -> u64 {
-        self.resolved.file.seed
+        self.resolved.seed
     }
 
     /// Returns a seed that is derived from the master seed for a purpose and a number.
@@ -156,12 +159,12 @@ impl Plan {
 
     /// Returns the audit, if there is one.
     pub fn audit(&self) -> Option<Audit> {
-        self.resolved.file.audit
+        self.resolved.audit
     }
 
     /// Returns the requested precision of the fraction of equilibria, if the study has one.
     pub fn precision(&self) -> Option<Precision> {
-        self.resolved.file.precision
+        self.resolved.precision
     }
 
     /// Returns the number of planned runs. With a precision, this is the largest number, for which
@@ -325,7 +328,7 @@ impl Plan {
     /// grid.
     pub(in crate::study) fn has_point(&self, expectation: &Expectation) -> bool {
         self.blocks.iter().any(|block| match block.listing {
-            Listing::Rows => (block.first_point..block.end_point())
+            Listing::Zip | Listing::Table => (block.first_point..block.end_point())
                 .any(|point| expectation.selects(&self.swept, &self.point(point).swept)),
             Listing::Grid => {
                 let first = self.point(block.first_point);

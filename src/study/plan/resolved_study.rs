@@ -18,7 +18,7 @@ impl Study {
     /// # Errors
     /// Returns only errors that parsing the study itself would return.
     pub fn with_seed(&self, seed: u64) -> Result<Study, StudyError> {
-        let file = StudyFile { seed, ..self.resolved.file.clone() };
+        let file = StudyFile { seed, ..self.resolved.clone() };
         Study::parse(Path::new(self.name()), to_yaml(&file))
     }
 }
@@ -26,13 +26,13 @@ impl Study {
 impl Plan {
     /// Returns the complete study file as plain values.
     pub(crate) fn resolved_file(&self) -> Value {
-        to_value(&self.resolved.file)
+        to_value(&self.resolved)
     }
 
     /// Returns the complete study file in a canonical form, with all defaults and with inline
     /// tables. Parsing it gives the same study with the same hash.
     pub fn resolved_yaml(&self) -> String {
-        self.resolved.yaml.get_or_init(|| to_yaml(&self.resolved.file)).clone()
+        self.resolved_yaml.get_or_init(|| to_yaml(&self.resolved)).clone()
     }
 
     /// Returns the SHA-256 hash, in hexadecimal, of everything that determines the runs. It
@@ -40,7 +40,6 @@ impl Plan {
     /// `responses`, `optimize`, `identify` and `units`.
     pub fn hash(&self) -> String {
         let compute = || {
-            let file = self.resolved.file.clone();
             let mut determining = StudyFile {
                 name: String::new(),
                 expect: None,
@@ -49,7 +48,7 @@ impl Plan {
                 optimize: None,
                 identify: None,
                 units: None,
-                ..file
+                ..self.resolved.clone()
             };
             // Ranges of all balls concern designs; the balls of this study have their own ranges.
             if let Some(ranges) = &mut determining.initial_conditions.start_box {
@@ -64,7 +63,7 @@ impl Plan {
             }
             digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
         };
-        self.resolved.hash.get_or_init(compute).clone()
+        self.hash.get_or_init(compute).clone()
     }
 }
 
@@ -75,7 +74,7 @@ const LONGEST: usize = 60;
 /// `simulation.end_time_s: 16.5 -> 33.0`, in the order of the file.
 pub fn changed_keys(before: &Study, after: &Study) -> Vec<String> {
     let mut found = Vec::new();
-    collect("", &to_value(&before.resolved.file), &to_value(&after.resolved.file), &mut found);
+    collect("", &to_value(&before.resolved), &to_value(&after.resolved), &mut found);
     found
 }
 

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::Measure;
 use crate::classification::Label;
 use crate::model::OutputValue;
+use crate::study::error::describe_number;
 use crate::study::file::schema_parts as schema;
 use crate::study::file::values::NumberOrLength;
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::units::{ShownUnits, Unit, six_digits};
 
 /// A response of a design, estimated from the residual amplitudes (`amplitude_m` in `runs.parquet`), the peak amplitudes
@@ -83,26 +83,20 @@ impl Default for AmplitudeFile {
 }
 
 impl ResponseFile {
-    /// Returns the key of a response, its measure, and the amplitude that it measures.
-    pub(in crate::study) fn parts(&self) -> (&'static str, Measure, Amplitude) {
+    /// Returns the measure of a response, and the amplitude that it measures.
+    pub(in crate::study) fn parts(&self) -> (Measure, Amplitude) {
         match self.clone() {
-            ResponseFile::AmplitudeMean(quantity) => ("amplitude_mean", Measure::Mean, quantity),
-            ResponseFile::AmplitudeStdDev(quantity) => {
-                ("amplitude_std_dev", Measure::StandardDeviation, quantity)
-            }
+            ResponseFile::AmplitudeMean(quantity) => (Measure::Mean, quantity),
+            ResponseFile::AmplitudeStdDev(quantity) => (Measure::StandardDeviation, quantity),
             ResponseFile::AmplitudeQuantile { fraction, relative, of } => {
-                ("amplitude_quantile", Measure::Quantile(fraction), Amplitude { relative, of })
+                (Measure::Quantile(fraction), Amplitude { relative, of })
             }
-            ResponseFile::AmplitudeWorst(quantity) => ("amplitude_worst", Measure::Worst, quantity),
+            ResponseFile::AmplitudeWorst(quantity) => (Measure::Worst, quantity),
             ResponseFile::AmplitudeAbove { limit: NumberOrLength(limit), relative, of } => {
-                ("amplitude_above", Measure::Above(limit), Amplitude { relative, of })
+                (Measure::Above(limit), Amplitude { relative, of })
             }
-            ResponseFile::AtRestByS(time) => {
-                ("at_rest_by_s", Measure::AtRestBy(time), Amplitude::default())
-            }
-            ResponseFile::MedianTimeToRest => {
-                ("median_time_to_rest", Measure::MedianTimeToRest, Amplitude::default())
-            }
+            ResponseFile::AtRestByS(time) => (Measure::AtRestBy(time), Amplitude::default()),
+            ResponseFile::MedianTimeToRest => (Measure::MedianTimeToRest, Amplitude::default()),
         }
     }
 }

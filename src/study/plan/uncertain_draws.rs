@@ -10,7 +10,7 @@ impl Plan {
     /// Returns the design of the uncertain parameters and the number of their rank correlations; `None` if all draws are
     /// independent.
     pub fn uncertain_sampling(&self) -> Option<(&'static str, usize)> {
-        let file = self.resolved.file.uncertain_sampling.as_ref()?;
+        let file = self.resolved.uncertain_sampling.as_ref()?;
         let correlations = file.correlations.as_ref().map_or(0, Vec::len);
         Some((file.design.unwrap_or_default().name(), correlations))
     }

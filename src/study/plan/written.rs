@@ -32,13 +32,13 @@ impl Plan {
     /// `model.parameters.speed: 6000 rpm`.
     pub fn key_with_unit(&self, key: &str) -> Option<String> {
         let path = KeyPath::parse(key)?;
-        let written = self.source.as_written(&path);
+        let written = self.source.root.as_written(&path);
         (written != path).then(|| written.to_string())
     }
 
     /// Returns whether the study file contains this key path.
     pub(crate) fn has_key(&self, key: &str) -> bool {
-        KeyPath::parse(key).is_some_and(|path| self.source.node(&path).is_some())
+        KeyPath::parse(key).is_some_and(|path| self.source.root.at(&path).is_some())
     }
 
     /// Returns whether the study file contains this key of `model.parameters` or of `model`, or a value of a key of
@@ -58,7 +58,7 @@ impl Plan {
 
     /// Returns whether the last change of the speed profile gives the speed of the machine.
     fn profile_gives_speed(&self) -> bool {
-        let parts = self.source.node(&KeyPath::of("model.speed_profile"));
+        let parts = self.source.root.at(&KeyPath::of("model.speed_profile"));
         let Some(Content::List(parts)) = parts.map(|parts| &parts.content) else { return false };
         let last = parts.iter().rev().find(|part| part.get("hold_s").is_none());
         let is_given = |part: &YamlNode| {

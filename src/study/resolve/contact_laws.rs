@@ -3,11 +3,10 @@
 use indexmap::IndexMap;
 
 use crate::model::{BallContact, FrictionLaw, Model, SlidingSpeed, rolling_restitution};
-use crate::study::error::{Fault, StudyError};
-use crate::study::file::balls::{ContactFile, ContactLawFile, NoContact};
+use crate::study::error::{Fault, StudyError, describe_number};
 use crate::study::file::friction_file::FrictionFile;
+use crate::study::file::model_parts::{ContactFile, ContactLawFile, NoContact};
 use crate::study::file::source::Source;
-use crate::study::file::yaml_tree::describe_number;
 
 /// Returns the friction law with sliding speeds in the unit of this kind of model.
 pub(in crate::study) fn resolve_friction(

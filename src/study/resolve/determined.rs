@@ -4,8 +4,8 @@ use std::collections::HashSet;
 
 use crate::model::{ModelKind, ParameterDescriptor};
 use crate::study::error::StudyError;
-use crate::study::file::balls::Balls;
 use crate::study::file::key_path::KeyPath;
+use crate::study::file::model_parts::Balls;
 use crate::study::file::source::Source;
 use crate::study::file::study_file::StudyFile;
 use crate::study::plan::parameter::{MOST_MEMBERS, Parameter};
@@ -31,7 +31,7 @@ pub(crate) fn determined(
         if let Some((section, given)) = other.and_then(place_of) {
             let as_written = |section: &str, name: &str| {
                 let path = KeyPath::of(&format!("{section}.{name}"));
-                let path = source.as_written(&path).to_string();
+                let path = source.root.as_written(&path).to_string();
                 path.rsplit('.').next().unwrap_or(name).to_owned()
             };
             let [first, second] = [(own_section, written), (section, given)]

@@ -1,15 +1,14 @@
 //! Resolution of the model, with all defaults.
 
 use crate::model::{Ball, MAX_BALLS, Machine, Model, ModelKind, ParameterDescriptor};
-use crate::study::error::{Fault, StudyError, shorten};
-use crate::study::file::balls::{BallFile, Balls};
+use crate::study::error::{Fault, StudyError, describe_number, shorten};
 use crate::study::file::key_units::list_keys;
+use crate::study::file::model_parts::{BallFile, Balls};
 use crate::study::file::parameters_file::{BALLS, KindFile, ParametersFile, parameter_keys};
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::study_file::ModelFile;
-use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::{Keys, Names};
-use crate::study::file::yaml_tree::{Content, describe_number};
+use crate::study::file::yaml_tree::Content;
 use crate::study::kinds::model_kind;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
@@ -17,9 +16,8 @@ use crate::study::resolve::contact_laws::{
     check_contact, check_friction, contact_to_file, friction_to_file, resolve_contact,
     resolve_friction,
 };
-use crate::study::resolve::protocol::stages_of;
 use crate::study::resolve::stages::{
-    check_stages, kicks_to_file, profile_to_file, resolve_kicks, resolve_profile,
+    check_stages, kicks_to_file, profile_to_file, resolve_kicks, resolve_profile, stages_of,
 };
 
 impl Base {
@@ -28,11 +26,7 @@ impl Base {
     /// # Errors
     /// Returns an error for the first parameter that the model does not have or that is physically
     /// impossible.
-    pub fn resolve(
-        source: &Source,
-        folders: &TableFolders,
-        written: &ModelFile,
-    ) -> Result<Base, StudyError> {
+    pub fn resolve(source: &Source, written: &ModelFile) -> Result<Base, StudyError> {
         let path = source.path("model.parameters");
         let given = written.parameters.clone().unwrap_or_default();
         let kind = written.kind.0;
@@ -63,23 +57,23 @@ impl Base {
         }
         let speed = model.speed_parameter();
         let last_speed = speed.and_then(|speed| speed.numbers(&mut model, None).pop().copied());
-        let stages = stages_of(source, written, last_speed.unwrap_or(1.0))?;
-        if let (Some(parts), Some(speed), Some(last)) = (&stages.speed_profile, speed, last_speed) {
+        let (parts, disturbances) = stages_of(source, written, last_speed.unwrap_or(1.0))?;
+        if let (Some(parts), Some(speed), Some(last)) = (&parts, speed, last_speed) {
             let last = (last, given.numbers.contains_key(speed.name));
             let path = source.path("model.speed_profile");
-            let (profile, last) = resolve_profile(folders, &path, parts, last)?;
+            let (profile, last) = resolve_profile(&path, parts, last)?;
             *model.speed_profile_mut() = Some(profile);
             speed.numbers(&mut model, None).into_iter().for_each(|speed| *speed = last);
         }
         if let Some(machine) = model.ball_balancer_mut() {
             let path = source.path("model.disturbances");
-            let kicks = resolve_kicks(&path, stages.disturbances.as_deref().unwrap_or_default())?;
+            let kicks = resolve_kicks(&path, disturbances.as_deref().unwrap_or_default())?;
             let random = (1..).zip(&kicks).filter(|(_, (_, is_random))| *is_random);
             random_kicks = random.map(|(number, _)| number).collect();
             machine.kicks = kicks.into_iter().map(|(kick, _)| kick).collect();
         } else {
             let turns = speed.is_some();
-            let hits = stages.disturbances.is_some() && written.protocol.is_some();
+            let hits = disturbances.is_some() && written.protocol.is_some();
             let foreign = [
                 (path.key("balls"), given.balls.is_some()),
                 (source.path("model.normal_force"), written.normal_force.is_some()),

@@ -17,6 +17,12 @@ pub(in crate::study) fn check_name(
     Err(Fault::new("not a name", format!("text {:?}", shorten(name)), allowed))
 }
 
+/// Returns whether a name has lower-case letters, digits and `_`, with a letter first.
+pub(in crate::study) fn is_key(name: &str) -> bool {
+    let is_usual = |byte: u8| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'_');
+    name.starts_with(|first: char| first.is_ascii_lowercase()) && name.bytes().all(is_usual)
+}
+
 /// Checks the name of a study, which becomes the name of a directory.
 pub(in crate::study) fn check_study_name(name: &str) -> Result<(), Fault> {
     let allowed = "1 to 100 letters, digits, `-`, `_` and `.`, not starting with `.`";

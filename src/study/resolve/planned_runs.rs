@@ -5,22 +5,19 @@ use std::sync::{Arc, OnceLock};
 use indexmap::IndexMap;
 
 use crate::model::Simulation;
-use crate::study::error::{Fault, StudyError};
-use crate::study::file::resolved_yaml::ResolvedFile;
+use crate::study::error::{Fault, StudyError, describe_number};
 use crate::study::file::source::Source;
 use crate::study::file::study_file::{BlockFile, DesignFile, InitialConditionsFile, StudyFile};
-use crate::study::file::table_folders::{MAX_VALUES, TableFolders};
+use crate::study::file::table_folders::MAX_VALUES;
 use crate::study::file::uncertain_file::DistributionFile;
 use crate::study::file::values::Range;
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, VariedParameter};
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::sweep::Listing;
 use crate::study::resolve::determined::determined;
 use crate::study::resolve::names::check_study_name;
-use crate::study::resolve::numbers_of_balls::{base_of_all_points, model_of_common_design};
-use crate::study::resolve::points::check_points;
+use crate::study::resolve::points::{base_of_all_points, check_points, model_of_common_design};
 use crate::study::resolve::runs::{PointSettings, number_runs};
 use crate::study::resolve::sampling::{ResolvedDesign, resolve_design};
 use crate::study::resolve::stages::check_kicks;
@@ -30,20 +27,18 @@ use crate::study::resolve::uncertain_sampling::UncertainSampling;
 use crate::study::resolve::units::{resolve_units, units_to_file};
 use crate::study::sampling::initial_box::InitialBox;
 
-/// Validates the parts of a study that determine its runs. `outline` contains the keys of the source.
+/// Validates the parts of a study that determine its runs.
 pub(in crate::study) fn resolve_plan(
     source: &Source,
-    outline: &Arc<Source>,
     written: &StudyFile,
-    folders: &TableFolders,
 ) -> Result<Plan, StudyError> {
     check_study_name(&written.name).map_err(|fault| source.path("name").refuse_value(fault))?;
-    let base = Base::resolve(source, folders, &written.model)?;
+    let base = Base::resolve(source, &written.model)?;
     let ends_s = base.model.end_time_s();
     let simulation = resolve_simulation(source, written.simulation, ends_s)?;
     check_kicks(source, &base.model, &simulation)?;
     written.precision.map_or(Ok(()), |precision| precision.check(source))?;
-    let mut blocks = resolve_blocks(source, written, folders, &base)?;
+    let mut blocks = resolve_blocks(source, written, &base)?;
     let base = base_of_all_points(source, &blocks, base)?;
     let conditions = source.path("initial_conditions");
     let start_box = InitialBox::resolve(
@@ -56,10 +51,10 @@ pub(in crate::study) fn resolve_plan(
         Some(design) => {
             let path = conditions.key("design");
             let model = model_of_common_design(written, &blocks, &base);
-            Some(resolve_design(folders, &path, design, &model)?)
+            Some(resolve_design(&path, design, &model)?)
         }
     };
-    let designs = designs(source, written, folders, &base, &mut blocks, common.as_ref())?;
+    let designs = designs(source, written, &base, &mut blocks, common.as_ref())?;
     check_values(source, &blocks, common.as_ref())?;
     let mut swept_parameters: Vec<Parameter> = Vec::new();
     for (parameter, _) in blocks.iter().flat_map(|block| &block.columns) {
@@ -122,10 +117,12 @@ pub(in crate::study) fn resolve_plan(
         copula: sampling.copula,
         determined,
         units: units.clone(),
-        resolved: ResolvedFile::new(resolved),
-        source: Arc::clone(outline),
+        resolved,
+        resolved_yaml: OnceLock::new(),
+        hash: OnceLock::new(),
+        source: Arc::new(source.outline()),
     };
-    check_points(source, written, &plan)?;
+    check_points(source, &plan)?;
     Ok(plan)
 }
 
@@ -145,7 +142,6 @@ fn box_to_file(start_box: &InitialBox, written: &StudyFile) -> IndexMap<String, 
 fn resolve_blocks(
     source: &Source,
     written: &StudyFile,
-    folders: &TableFolders,
     base: &Base,
 ) -> Result<Vec<ResolvedBlock>, StudyError> {
     let path = source.path("sweep");
@@ -162,7 +158,7 @@ fn resolve_blocks(
         Some(blocks) => blocks
             .iter()
             .enumerate()
-            .map(|(index, block)| resolve_block(folders, &path.item(index), block, base))
+            .map(|(index, block)| resolve_block(&path.item(index), block, base))
             .collect(),
     }
 }
@@ -190,7 +186,6 @@ fn check_values(
 fn designs<'a>(
     source: &'a Source,
     written: &StudyFile,
-    folders: &TableFolders,
     base: &Base,
     blocks: &mut [ResolvedBlock],
     common: Option<&ResolvedDesign<'a>>,
@@ -200,7 +195,7 @@ fn designs<'a>(
         if let Some(design) = sweep.get(index).and_then(|block| block.design.as_ref()) {
             let path = source.path("sweep").item(index).key("design");
             let model = base.with_balls(block.range_of_balls(base.balls())).model;
-            let design = resolve_design(folders, &path, design, &model)?;
+            let design = resolve_design(&path, design, &model)?;
             block.file.design = Some(design.file.clone());
             return Ok(design);
         }
@@ -244,8 +239,7 @@ fn resolve_simulation(
                 describe_number(ends_s)
             );
             let found = describe_number(end_time_s);
-            let fault = Fault::new("not the end of the speed profile", found, allowed);
-            return Err(path.refuse_value(fault));
+            return Err(path.wrong_value("not the end of the speed profile", found, allowed));
         }
     }
     let [end_s, later_s] = simulation.end_times_s();

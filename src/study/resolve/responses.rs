@@ -6,9 +6,9 @@ use indexmap::IndexMap;
 
 use crate::analysis::Measure;
 use crate::model::{OutputName, OutputValue};
-use crate::study::error::{StudyError, list_names};
+use crate::study::error::{StudyError, describe_number, list_names};
 use crate::study::file::source::{Source, SourcePath};
-use crate::study::file::yaml_tree::{Content, describe_number};
+use crate::study::file::yaml_tree::Content;
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::response::{
     Amplitude, AmplitudeKind, Response, ResponseFile, SUFFIXES, is_reserved,
@@ -52,13 +52,13 @@ fn quantity(
     path: &SourcePath<'_>,
     file: &ResponseFile,
 ) -> Result<Quantity, StudyError> {
-    let (key, measure, Amplitude { relative, of }) = file.parts();
-    let at = path.key(key);
+    let (measure, Amplitude { relative, of }) = file.parts();
+    let at = path.chosen();
     let refuse = |path: &SourcePath<'_>, problem: &str, found: String, allowed: &str| {
         Err(path.wrong_value(problem, found, allowed))
     };
     match measure {
-        Measure::Above(limit) => {
+        Measure::Above(_) => {
             let path = at.key("limit");
             let text = path.node().filter(|node| matches!(node.content, Content::Text(_)));
             if let Some(node) = text.filter(|_| relative) {
@@ -66,9 +66,6 @@ fn quantity(
                 let allowed =
                     "a number, the amplitude over that without balls; or `relative: false`";
                 return refuse(&path, problem, node.describe(), allowed);
-            }
-            if limit < 0.0 && matches!(of.0.as_str(), "residual" | "peak") {
-                return refuse(&path, "not an amplitude", describe_number(limit), "0 or more");
             }
         }
         Measure::AtRestBy(time) => {

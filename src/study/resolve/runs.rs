@@ -1,12 +1,10 @@
 //! Numbering of the points and runs of a study.
 
-use crate::study::error::StudyError;
+use crate::study::error::{StudyError, describe_number};
 use crate::study::file::values::MAX_COUNT;
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
 use crate::study::plan::precision::{Precision, Sampling};
-use crate::study::plan::run_numbers::RunNumbers;
-use crate::study::plan::sweep::{Block, PointSampling, product};
+use crate::study::plan::sweep::{Block, PointSampling, RunNumbers, product};
 use crate::study::resolve::sampling::ResolvedDesign;
 use crate::study::resolve::sweep::ResolvedBlock;
 use crate::study::resolve::uncertain_sampling::UncertainSampling;
@@ -96,7 +94,7 @@ impl PointSettings<'_> {
             Err(large) => return Ok(Err(large)),
         };
         let sampling = Sampling::new(&design, samples, self.precision, self.uncertain.longest())
-            .map_err(|fault| written.path.key(design.kind()).refuse_key(fault))?;
+            .map_err(|fault| written.path.key(design.layout.kind()).refuse_key(fault))?;
         let uncertain_design = self.uncertain.of_block(&design, sampling, self.precision)?;
         Ok(Ok(PointSampling { design, uncertain_design, sampling }))
     }

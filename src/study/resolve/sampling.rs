@@ -3,13 +3,11 @@
 use std::sync::Arc;
 
 use crate::model::Model;
-use crate::study::error::{Fault, StudyError};
+use crate::study::error::{Fault, StudyError, describe_number};
 use crate::study::file::source::SourcePath;
 use crate::study::file::study_file::DesignFile;
-use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
 use crate::study::file::values::TableKey;
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::sampling::apart::first_overlap;
 use crate::study::sampling::initial_box::{BoxAxis, axis_names};
 use crate::study::sampling::sampling_design::{Layout, SOBOL_DIMENSIONS};
@@ -50,7 +48,6 @@ impl ResolvedDesign<'_> {
 /// Returns an error if a Sobol' sequence has too many dimensions, or if a table of start states is
 /// invalid.
 pub(crate) fn resolve_design<'a>(
-    folders: &TableFolders,
     path: &SourcePath<'a>,
     written: &DesignFile,
     model: &Model,
@@ -68,7 +65,7 @@ pub(crate) fn resolve_design<'a>(
         DesignFile::MonteCarlo { samples } => Layout::MonteCarlo { samples: samples.0 },
         DesignFile::Grid { points_per_axis } => Layout::Grid { points: points_per_axis.0 },
         DesignFile::Table(table) => {
-            return resolve_starts(folders, path, table, model);
+            return resolve_starts(path, table, model);
         }
     };
     Ok(ResolvedDesign { layout, file: written.clone(), path: path.clone(), given: Vec::new() })
@@ -85,13 +82,12 @@ pub(crate) fn check_dimensions(dimensions: usize) -> Result<(), Fault> {
 }
 
 fn resolve_starts<'a>(
-    folders: &TableFolders,
     path: &SourcePath<'a>,
     table: &TableKey,
     model: &Model,
 ) -> Result<ResolvedDesign<'a>, StudyError> {
     let names = axis_names(model);
-    let read = Rows::read(folders, &path.key("table"), table, &names)?;
+    let read = Rows::read(&path.key("table"), table, &names)?;
     let rows = read.numbers(&names)?;
     if let Some(machine) = model.ball_balancer().filter(|machine| machine.contact.is_some()) {
         for (row, values) in rows.iter().enumerate() {

@@ -1,19 +1,88 @@
-//! Resolution of the speed profile and the disturbances, and the reverse.
+//! Resolution of the speed profile and the disturbances, or of the measurement protocol (thesis figure 5.10) that is short for
+//! them, and the reverse.
 
 use crate::model::{Kick, Model, ProfilePart, Ramp, RampShape, Simulation, SpeedProfile};
-use crate::study::error::{Fault, StudyError};
-use crate::study::file::source::{Source, SourcePath};
-use crate::study::file::stages_file::{
-    DirectionFile, DisturbanceFile, KickFile, ProfilePartFile, RampFile,
+use crate::study::error::{Fault, StudyError, describe_number, from_to};
+use crate::study::file::model_parts::{
+    DirectionFile, DisturbanceFile, HammerFile, KickFile, ProfilePartFile, ProtocolFile,
+    ProtocolKeys, ProtocolName, RampFile, StartupFile,
 };
-use crate::study::file::table_folders::TableFolders;
+use crate::study::file::source::{Source, SourcePath};
+use crate::study::file::study_file::ModelFile;
 use crate::study::file::table_input::values_over_time;
 use crate::study::file::values::TableKey;
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::parameter::MOST_MEMBERS;
 
 /// The columns of the table of a speed profile.
 const COLUMNS: [&str; 2] = ["time_s", "speed_rad_s"];
+
+/// The slowest speed of the thesis's motor, rad/s.
+const SLOWEST_RAD_S: f64 = 31.0;
+/// The default duration of the ramp, s.
+const OVER_S: f64 = 2.0;
+/// The default time between two hits, s.
+const WAIT_S: f64 = 5.0;
+/// The default change of the table's velocity in a hit, m/s.
+const HIT_M_S: f64 = 0.01;
+
+/// The speed profile and the disturbances of a model, as they are written.
+type WrittenStages = (Option<Vec<ProfilePartFile>>, Option<Vec<DisturbanceFile>>);
+
+/// Returns the speed profile and the disturbances of the model, which its protocol may be short for.
+pub(in crate::study) fn stages_of(
+    source: &Source,
+    written: &ModelFile,
+    speed_rad_s: f64,
+) -> Result<WrittenStages, StudyError> {
+    let Some(protocol) = &written.protocol else {
+        return Ok((written.speed_profile.clone(), written.disturbances.clone()));
+    };
+    let path = source.path("model.protocol");
+    let beside = [
+        ("speed_profile", written.speed_profile.is_some()),
+        ("disturbances", written.disturbances.is_some()),
+    ];
+    if let Some((key, _)) = beside.into_iter().find(|(_, is_given)| *is_given) {
+        let problem = "a protocol is short for a speed profile and disturbances";
+        let found = format!("{key} beside protocol");
+        return Err(path.wrong_value(problem, found, "one of both"));
+    }
+    // A start has the numbers of a start with hits that concern the ramp.
+    let startup = |StartupFile { from_rad_s, over_s }: StartupFile| HammerFile {
+        from_rad_s,
+        over_s,
+        ..HammerFile::default()
+    };
+    let (numbers, has_hits) = match protocol.clone() {
+        ProtocolFile::Named(name) => {
+            (HammerFile::default(), name == ProtocolName::StartupAndHammer)
+        }
+        ProtocolFile::With(ProtocolKeys::Startup(start)) => (startup(start), false),
+        ProtocolFile::With(ProtocolKeys::StartupAndHammer(hammer)) => (hammer, true),
+    };
+    let over_s = numbers.over_s.unwrap_or(OVER_S);
+    let from_rad_s = numbers.from_rad_s.unwrap_or(SLOWEST_RAD_S.copysign(speed_rad_s));
+    if from_rad_s * speed_rad_s <= 0.0 {
+        let allowed = format!("a speed with the sign of {}", describe_number(speed_rad_s));
+        let fault = Fault::new("not a first speed", describe_number(from_rad_s), allowed);
+        return Err(path.chosen().key("from_rad_s").refuse_value(fault));
+    }
+    let ramp = RampFile { from_rad_s: Some(from_rad_s), to_rad_s: None, over_s };
+    let mut profile = vec![ProfilePartFile::Ramp(ramp)];
+    if !has_hits {
+        return Ok((Some(profile), None));
+    }
+    let wait_s = numbers.wait_s.unwrap_or(WAIT_S);
+    let hits = numbers.hits.unwrap_or(1);
+    let speed_m_s = numbers.speed_m_s.unwrap_or(HIT_M_S);
+    profile.push(ProfilePartFile::HoldS((hits + 1) as f64 * wait_s));
+    let hit = |number: u64| {
+        let at_s = over_s + number as f64 * wait_s;
+        let direction = Some(DirectionFile::Random);
+        DisturbanceFile::Kick(KickFile { at_s, speed_m_s, direction, direction_rad: None })
+    };
+    Ok((Some(profile), Some((1..=hits).map(hit).collect())))
+}
 
 /// Returns the speed profile and the last speed, rad/s. `last` is the speed of the parameters, and whether the study gives
 /// it.
@@ -22,7 +91,6 @@ const COLUMNS: [&str; 2] = ["time_s", "speed_rad_s"];
 /// Returns an error if speeds do not follow one another, if the last speed is not that of the parameters, or if a value is
 /// not possible.
 pub(in crate::study) fn resolve_profile(
-    folders: &TableFolders,
     path: &SourcePath<'_>,
     written: &[ProfilePartFile],
     (last, is_given): (f64, bool),
@@ -51,15 +119,14 @@ pub(in crate::study) fn resolve_profile(
                 (None, _) if is_last => last,
                 (None, _) => {
                     let allowed = "a key to_rad_s; only the last ramp leads to speed_rad_s";
-                    let fault =
-                        Fault::new("the speed at the end is missing", "no such key", allowed);
-                    return Err(path.refuse_value(fault));
+                    let problem = "the speed at the end is missing";
+                    return Err(path.wrong_value(problem, "no such key", allowed));
                 }
             };
             if from * to <= 0.0 {
                 let allowed = "speeds of one sign, other than 0";
-                let found = format!("from {} to {}", describe_number(from), describe_number(to));
-                return Err(path.wrong_value("the speed changes its sign", found, allowed));
+                let problem = "the speed changes its sign";
+                return Err(path.wrong_value(problem, from_to(from, to), allowed));
             }
             speed = Some(to);
             let to_rad_s = (!is_last).then_some(to);
@@ -80,12 +147,7 @@ pub(in crate::study) fn resolve_profile(
                 ProfilePart::Hold(Some(*lasts_s))
             }
             ProfilePartFile::Table(table) => {
-                let rows = values_over_time(
-                    folders,
-                    &path.key("table"),
-                    table,
-                    COLUMNS.map(str::to_owned),
-                )?;
+                let rows = values_over_time(&path.key("table"), table, COLUMNS.map(str::to_owned))?;
                 let [first, last] = [rows[0][1], rows[rows.len() - 1][1]];
                 start.get_or_insert(begin(&path, Some(first), speed)?);
                 speed = Some(last);

@@ -3,19 +3,20 @@
 use indexmap::IndexMap;
 
 use crate::model::{MAX_BALLS, Model, NormalForce};
-use crate::study::error::{Fault, StudyError, list_names, shorten};
+use crate::study::error::{Fault, StudyError, describe_number, list_names, shorten};
 use crate::study::file::key_units::list_keys;
 use crate::study::file::parameters_file::BALLS;
 use crate::study::file::source::SourcePath;
 use crate::study::file::study_file::BlockFile;
-use crate::study::file::table_folders::TableFolders;
 use crate::study::file::table_input::Rows;
 use crate::study::file::values::{Entry, InlineTable, TableKey};
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue, check_number_of_balls};
 use crate::study::plan::sweep::Listing;
 use crate::study::resolve::model::find_count;
+
+/// A swept parameter with its values.
+pub(crate) type SweptColumn = (Parameter, Vec<ParameterValue>);
 
 /// The swept parameters and values of a block, and the block in the form of a self-contained study
 /// file.
@@ -23,7 +24,7 @@ pub(crate) struct ResolvedBlock {
     /// How the points are listed.
     pub listing: Listing,
     /// Parameters with their values.
-    pub columns: Vec<(Parameter, Vec<ParameterValue>)>,
+    pub columns: Vec<SweptColumn>,
     /// The block with inline tables, without its design.
     pub file: BlockFile,
 }
@@ -35,7 +36,6 @@ pub(crate) struct ResolvedBlock {
 /// parameter is unknown, a value is impossible, a list is empty, the lists of a zip differ in
 /// length, or the table is invalid.
 pub(crate) fn resolve_block(
-    folders: &TableFolders,
     path: &SourcePath<'_>,
     written: &BlockFile,
     base: &Base,
@@ -51,9 +51,9 @@ pub(crate) fn resolve_block(
             let columns = resolve_lists(&path, lists, base)?;
             check_equal_lengths(&path, lists)?;
             let file = BlockFile { zip: Some(lists.clone()), ..BlockFile::default() };
-            Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
+            Ok(ResolvedBlock { listing: Listing::Zip, columns, file })
         }
-        (None, None, Some(table)) => resolve_table(folders, &path.key("table"), table, base),
+        (None, None, Some(table)) => resolve_table(&path.key("table"), table, base),
         (grid, zip, table) => {
             let given = [("grid", grid.is_some()), ("zip", zip.is_some())];
             let given = given.into_iter().chain([("table", table.is_some())]);
@@ -70,28 +70,39 @@ fn resolve_lists(
     path: &SourcePath<'_>,
     lists: &IndexMap<String, Vec<Entry>>,
     base: &Base,
-) -> Result<Vec<(Parameter, Vec<ParameterValue>)>, StudyError> {
+) -> Result<Vec<SweptColumn>, StudyError> {
     if lists.is_empty() {
         return Err(path.wrong_value("nothing is swept", "no parameter", "at least one parameter"));
     }
-    let mut columns = Vec::with_capacity(lists.len());
     let base = &with_listed_balls(base, lists.get(BALLS).into_iter().flatten());
-    for (name, list) in lists {
+    let column = |(name, list): (&String, &Vec<Entry>)| {
         let path = path.key(name);
-        let parameter = find_swept(name, base).map_err(|fault| path.refuse_key(fault))?;
+        let refuse = |index: Option<usize>, fault| match index {
+            Some(index) => path.item(index).refuse_value(fault),
+            None => path.refuse_key(fault),
+        };
+        let column = resolve_column(name, list.iter(), base, refuse)?;
         if list.is_empty() {
-            let fault = Fault::new("no values to sweep", "an empty list", "at least one value");
-            return Err(path.refuse_value(fault));
+            let (found, allowed) = ("an empty list", "at least one value");
+            return Err(path.wrong_value("no values to sweep", found, allowed));
         }
-        let mut values = Vec::with_capacity(list.len());
-        for (index, entry) in list.iter().enumerate() {
-            let value = resolve_value(parameter, entry, &base.model)
-                .map_err(|fault| path.item(index).refuse_value(fault))?;
-            values.push(value);
-        }
-        columns.push((parameter, values));
-    }
-    Ok(columns)
+        Ok(column)
+    };
+    lists.iter().map(column).collect()
+}
+
+/// Returns the parameter of this name with its values; `refuse` creates the message for the name, or for the value at an index.
+fn resolve_column<'a>(
+    name: &str,
+    entries: impl Iterator<Item = &'a Entry>,
+    base: &Base,
+    refuse: impl Fn(Option<usize>, Fault) -> StudyError,
+) -> Result<SweptColumn, StudyError> {
+    let parameter = find_swept(name, base).map_err(|fault| refuse(None, fault))?;
+    let value = |(index, entry)| {
+        resolve_value(parameter, entry, &base.model).map_err(|fault| refuse(Some(index), fault))
+    };
+    Ok((parameter, entries.enumerate().map(value).collect::<Result<_, _>>()?))
 }
 
 /// Returns the base with the largest number of balls in a list. Other values have their own errors.
@@ -123,32 +134,22 @@ fn check_equal_lengths(
 }
 
 fn resolve_table(
-    folders: &TableFolders,
     path: &SourcePath<'_>,
     table: &TableKey,
     base: &Base,
 ) -> Result<ResolvedBlock, StudyError> {
-    let read = Rows::read(folders, path, table, &names_of_columns(base))?;
+    let read = Rows::read(path, table, &names_of_columns(base))?;
     let place = read.column(BALLS);
     let listed = read.rows.iter().filter_map(|row| row.get(place?));
     let base = &with_listed_balls(base, listed);
-    let mut columns = Vec::with_capacity(read.columns.len());
-    for (column, name) in read.columns.iter().enumerate() {
-        let parameter =
-            find_swept(name, base).map_err(|fault| read.refuse(None, Some(column), fault))?;
-        let mut values = Vec::with_capacity(read.rows.len());
-        for (row, entries) in read.rows.iter().enumerate() {
-            if let Some(entry) = entries.get(column) {
-                let value = resolve_value(parameter, entry, &base.model)
-                    .map_err(|fault| read.refuse(Some(row), Some(column), fault))?;
-                values.push(value);
-            }
-        }
-        columns.push((parameter, values));
-    }
+    let column = |(column, name): (usize, &String)| {
+        let entries = read.rows.iter().filter_map(|row| row.get(column));
+        resolve_column(name, entries, base, |row, fault| read.refuse(row, Some(column), fault))
+    };
+    let columns = read.columns.iter().enumerate().map(column).collect::<Result<_, _>>()?;
     let inline = InlineTable { columns: read.columns, rows: read.rows };
     let file = BlockFile { table: Some(TableKey::Inline(inline)), ..BlockFile::default() };
-    Ok(ResolvedBlock { listing: Listing::Rows, columns, file })
+    Ok(ResolvedBlock { listing: Listing::Table, columns, file })
 }
 
 /// Returns the names that the columns of a table may have.
@@ -199,6 +200,7 @@ pub(crate) fn resolve_value(
     entry: &Entry,
     form: &Model,
 ) -> Result<ParameterValue, Fault> {
+    let names = NormalForce::ALL.map(|(name, _)| name);
     match (entry, parameter.is_number()) {
         (Entry::Number(number), true) => {
             parameter.check(*number, form).map(|()| ParameterValue::Number(*number))
@@ -206,15 +208,11 @@ pub(crate) fn resolve_value(
         (Entry::Text(text), true) => {
             Err(Fault::new("not a number", format!("text {:?}", shorten(text)), "a number"))
         }
-        (Entry::Text(text), false) => {
-            let names: Vec<_> = NormalForce::ALL.iter().map(|force| force.name()).collect();
-            match names.iter().copied().find(|name| name == text) {
-                Some(name) => Ok(ParameterValue::Text(name)),
-                None => Err(Fault::new("unknown choice", shorten(text), list_names(text, &names))),
-            }
-        }
+        (Entry::Text(text), false) => match names.into_iter().find(|name| name == text) {
+            Some(name) => Ok(ParameterValue::Text(name)),
+            None => Err(Fault::new("unknown choice", shorten(text), list_names(text, &names))),
+        },
         (Entry::Number(number), false) => {
-            let names: Vec<_> = NormalForce::ALL.iter().map(|force| force.name()).collect();
             Err(Fault::new("wrong type", describe_number(*number), names.join(", ")))
         }
     }

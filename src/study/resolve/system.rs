@@ -1,6 +1,7 @@
 //! Reads a system file, or the keys of one in a study, and makes it a kind of model.
 
 use std::path::Path;
+use std::rc::Rc;
 
 use serde_json::Value;
 
@@ -10,7 +11,7 @@ use crate::model::{
 };
 use crate::study::error::{Fault, StudyError, list_names, shorten};
 use crate::study::file::decode::decode;
-use crate::study::file::key_path::Segment;
+use crate::study::file::key_path::{KeyPath, Segment};
 use crate::study::file::key_units::split_unit;
 use crate::study::file::quantity::{convert, split_number, unit_of};
 use crate::study::file::source::{Source, SourcePath};
@@ -20,13 +21,11 @@ use crate::study::file::system_file::{
 use crate::study::file::table_folders::TableFolders;
 use crate::study::file::unit_keys::Names;
 use crate::study::file::yaml_tree::{Content, YamlNode};
+use crate::study::resolve::names::is_key;
 use crate::tabular::to_text;
 
 /// Replaces the key `system` of a model by the key `kind` with the kind that the system defines.
-pub(in crate::study) fn read_system(
-    source: &mut Source,
-    folders: &TableFolders,
-) -> Result<(), StudyError> {
+pub(in crate::study) fn read_system(source: &mut Source) -> Result<(), StudyError> {
     let path = source.path("model.system");
     let Some(node) = path.node() else { return Ok(()) };
     let beside = |key: &str, allowed: &str| {
@@ -43,11 +42,11 @@ pub(in crate::study) fn read_system(
                 let allowed = fault.allowed.map(|text| text.replace("the system file", "it"));
                 path.refuse_value(Fault { problem: plain(fault.problem), allowed, ..fault })
             };
-            let (file, bytes) = folders.read(name).map_err(refuse)?;
+            let (file, bytes) = source.folders.read(name).map_err(refuse)?;
             let text = to_text(bytes).map_err(|fault| StudyError::about_file(&file, fault))?;
-            let inner = Source::new(&file, text).map_err(|error| with_hint(error, true))?;
+            let inner = Source::new(&file, text, Rc::clone(&source.folders));
             let beside = Path::new(name).parent().unwrap_or(Path::new(""));
-            definition(&inner, folders, beside)?
+            definition(&inner.map_err(|error| with_hint(error, true))?, beside)?
         }
         Content::Map(_) => {
             let inner = Source {
@@ -55,8 +54,9 @@ pub(in crate::study) fn read_system(
                 text: source.text.clone(),
                 root: node.clone(),
                 units: Vec::new(),
+                folders: Rc::clone(&source.folders),
             };
-            definition(&inner, folders, Path::new(""))?
+            definition(&inner, Path::new(""))?
         }
         _ => {
             let allowed = "the name of a system file, or the keys of one";
@@ -95,21 +95,17 @@ pub fn system_in_latex(text: &str, beside: &Path) -> Option<String> {
 
 /// Reads and checks a system file.
 fn of_text(file: &Path, text: &str) -> Result<SystemDefinition, StudyError> {
-    let (source, folders) = (Source::new(file, text.to_owned())?, TableFolders::new(file, &[])?);
-    definition(&source, &folders, Path::new(""))
+    let folders = Rc::new(TableFolders::new(file, &[])?);
+    definition(&Source::new(file, text.to_owned(), folders)?, Path::new(""))
 }
 
 /// Reads and checks the keys of a system. Tables are relative to the folder `beside`.
-fn definition(
-    source: &Source,
-    folders: &TableFolders,
-    beside: &Path,
-) -> Result<SystemDefinition, StudyError> {
+fn definition(source: &Source, beside: &Path) -> Result<SystemDefinition, StudyError> {
     let file: SystemFile = decode(source, &Names::default(), None).map_err(|error| {
         let is_cut = error.found().is_some_and(|found| found.contains([')', ']', '}']));
         with_hint(error, is_cut)
     })?;
-    let reader = Reader { source, folders, beside };
+    let reader = Reader { source, beside };
     let mut definition = reader.definition(&file)?;
     definition.check().map_err(|fault| reader.refuse(fault))?;
     Ok(definition)
@@ -137,18 +133,13 @@ fn with_hint(error: StudyError, is_cut: bool) -> StudyError {
 /// Reads the parts of a system.
 pub(super) struct Reader<'s> {
     source: &'s Source,
-    pub(super) folders: &'s TableFolders,
     /// The folder of the system file, relative to the study.
     pub(super) beside: &'s Path,
 }
 
 impl<'s> Reader<'s> {
     fn definition(&self, file: &SystemFile) -> Result<SystemDefinition, StudyError> {
-        let is_letter =
-            |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_';
-        if !file.system.starts_with(|letter: char| letter.is_ascii_lowercase())
-            || !file.system.chars().all(is_letter)
-        {
+        if !is_key(&file.system) {
             let allowed = "lower-case letters, digits and _, with a letter first";
             let fault = Fault::new("not a name of a system", shorten(&file.system), allowed);
             return Err(self.path(&["system"]).refuse_value(fault));
@@ -381,7 +372,7 @@ impl<'s> Reader<'s> {
     }
 
     pub(super) fn path(&self, keys: &[&str]) -> SourcePath<'s> {
-        let mut path = self.source.root_path();
+        let mut path = self.source.at(KeyPath::default());
         for key in keys {
             path = match key.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')?.parse().ok())
             {

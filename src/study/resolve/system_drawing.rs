@@ -18,9 +18,8 @@ impl Reader<'_> {
     ) -> Result<WrittenView, StudyError> {
         if entry.turns && file.turning.is_empty() {
             let allowed = "the key `turning`, which names the angle of the part that turns";
-            let fault =
-                Fault::new("a picture that turns without a part that turns", "true", allowed);
-            return Err(self.path(&["draw", name, "turns"]).refuse_value(fault));
+            let problem = "a picture that turns without a part that turns";
+            return Err(self.path(&["draw", name, "turns"]).wrong_value(problem, "true", allowed));
         }
         if entry.shapes.is_empty() {
             let fault = Fault::new("an empty picture", "no shapes", "at least one shape");

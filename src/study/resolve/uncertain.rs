@@ -4,10 +4,9 @@ use std::f64::consts::TAU;
 
 use indexmap::IndexMap;
 
-use crate::study::error::{Fault, StudyError};
+use crate::study::error::{Fault, StudyError, describe_number};
 use crate::study::file::source::Source;
 use crate::study::file::uncertain_file::DistributionFile;
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::base::Base;
 use crate::study::plan::parameter::{Parameter, ParameterValue};
 use crate::study::plan::uncertain_parameter::UncertainParameter;
@@ -36,8 +35,8 @@ pub(crate) fn resolve_uncertain(
         };
         let parameter =
             find_uncertain(name, base, swept, factor).map_err(|fault| path.refuse_key(fault))?;
-        let path = if factor { path.key(kind(distribution)) } else { path };
-        let path = path.key(kind(drawn));
+        let path = if factor { path.chosen() } else { path };
+        let path = path.chosen();
         let scale = match parameter.get(&base.model, &base.general) {
             ParameterValue::Number(number) if factor => number,
             _ => 1.0,
@@ -113,17 +112,5 @@ fn find_uncertain(
             format!("{name} here and {} in `sweep`", other.name()),
             "either a distribution or a sweep, or `times` with the distribution of a factor",
         )),
-    }
-}
-
-fn kind(distribution: &DistributionFile) -> &'static str {
-    match distribution {
-        DistributionFile::Normal { .. } => "normal",
-        DistributionFile::TruncatedNormal { .. } => "truncated_normal",
-        DistributionFile::Lognormal { .. } => "lognormal",
-        DistributionFile::Uniform { .. } => "uniform",
-        DistributionFile::Triangular { .. } => "triangular",
-        DistributionFile::Choice { .. } => "choice",
-        DistributionFile::Times(_) => "times",
     }
 }

@@ -1,12 +1,11 @@
 //! Resolution of the joint sampling of the uncertain parameters: their design in each block, and their correlations.
 
-use crate::study::error::{Fault, StudyError, list_names};
+use crate::study::error::{Fault, StudyError, describe_number, list_names};
 use crate::study::file::key_units::split_unit;
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::uncertain_file::{
     CorrelationFile, UncertainDesignKind, UncertainSamplingFile,
 };
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::precision::{Precision, Sampling};
 use crate::study::plan::uncertain_parameter::UncertainParameter;
 use crate::study::resolve::sampling::check_dimensions;
@@ -113,7 +112,8 @@ impl<'a> UncertainSampling<'a> {
                 UncertainDesign::Sobol { seed, first_dimension }
             }
             (UncertainDesignKind::Joint, _) => {
-                let found = format!("joint with the design {} of start states", design.kind());
+                let found =
+                    format!("joint with the design {} of start states", design.layout.kind());
                 let allowed = "latin_hypercube, sobol or monte_carlo for the start states, or \
                                latin_hypercube or sobol here, over all runs of a point";
                 let problem = "a design of start states without further axes";

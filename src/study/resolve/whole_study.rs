@@ -1,35 +1,27 @@
 //! Resolves a study: first the plan of its runs, then the responses, searches and other evaluations of results.
 
 use crate::study::error::{Fault, StudyError};
-use crate::study::file::balls::Balls;
+use crate::study::file::model_parts::Balls;
 use crate::study::file::source::Source;
 use crate::study::file::study_file::StudyFile;
-use crate::study::file::table_folders::TableFolders;
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::planned_study::{Designs, Study};
 use crate::study::plan::variable::Variable;
 use crate::study::resolve::expectations::resolve_expectations;
-use crate::study::resolve::identification::resolve_identification;
-use crate::study::resolve::optimization::resolve_optimization;
 use crate::study::resolve::planned_runs::resolve_plan;
 use crate::study::resolve::responses::resolve_responses;
+use crate::study::resolve::searches::{resolve_identification, resolve_optimization};
 use crate::study::resolve::variables::resolve_variables;
-use std::sync::Arc;
 
-/// Validates a study file. `outline` contains the keys of the source.
-pub(in crate::study) fn resolve(
-    source: &Source,
-    outline: &Arc<Source>,
-    written: &StudyFile,
-    folders: &TableFolders,
-) -> Result<Study, StudyError> {
-    let plan = resolve_plan(source, outline, written, folders)?;
+/// Validates a study file.
+pub(in crate::study) fn resolve(source: &Source, written: &StudyFile) -> Result<Study, StudyError> {
+    let plan = resolve_plan(source, written)?;
     let expected = written.expect.as_deref().unwrap_or_default();
     let expectations = resolve_expectations(source, &plan, expected)?;
     let responses = resolve_responses(source, &plan, written.responses.as_ref())?;
     let design = written.design.as_ref();
     let variables = resolve_variables(&source.path("design"), &plan, &responses, design)?;
-    let by_balls = by_balls(source, outline, written, folders, &variables)?;
+    let by_balls = by_balls(source, written, &variables)?;
     let designs = Designs { variables, by_balls };
     let optimize = written.optimize.as_ref();
     let optimization = resolve_optimization(source, &plan, &designs, &responses, optimize)?;
@@ -42,9 +34,7 @@ pub(in crate::study) fn resolve(
 /// not vary the number of balls.
 fn by_balls(
     source: &Source,
-    outline: &Arc<Source>,
     written: &StudyFile,
-    folders: &TableFolders,
     variables: &[Variable],
 ) -> Result<Vec<Plan>, StudyError> {
     let Some(numbers) = variables.iter().find_map(Variable::ball_numbers) else {
@@ -64,7 +54,7 @@ fn by_balls(
         if let Some(ranges) = &mut other.initial_conditions.start_box {
             ranges.retain(|name, _| ball_of(name).is_none_or(|ball| ball <= balls));
         }
-        resolve_plan(source, outline, &other, folders).map_err(|error| {
+        resolve_plan(source, &other).map_err(|error| {
             let problem = format!("with {balls} balls: `{}`: {}", error.key(), error.problem());
             let found = error.found().map(str::to_owned);
             let fault = Fault { problem, found, allowed: error.allowed().map(str::to_owned) };

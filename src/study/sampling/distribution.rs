@@ -5,9 +5,8 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::study::error::Fault;
+use crate::study::error::{Fault, describe_number};
 use crate::study::file::uncertain_file::DistributionFile;
-use crate::study::file::yaml_tree::describe_number;
 
 /// A validated distribution.
 #[derive(Clone, Debug, PartialEq)]

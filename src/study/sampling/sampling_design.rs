@@ -138,11 +138,6 @@ impl Design {
         }
     }
 
-    /// Returns the name of the design in a study file.
-    pub fn kind(&self) -> &'static str {
-        self.layout.kind()
-    }
-
     /// Returns whether the start states are random.
     pub fn is_random(&self) -> bool {
         !matches!(self.layout, Layout::Grid { .. } | Layout::Table { .. }) && self.free_axes() > 0
@@ -248,7 +243,8 @@ impl Design {
 }
 
 impl Layout {
-    fn kind(&self) -> &'static str {
+    /// Returns the name of the design in a study file.
+    pub fn kind(&self) -> &'static str {
         match self {
             Layout::Stratified { .. } => "stratified",
             Layout::LatinHypercube { .. } => "latin_hypercube",

@@ -7,11 +7,13 @@
 mod annotate;
 
 use std::path::Path;
+use std::rc::Rc;
 
 use crate::sanitize::shell_word;
 use crate::study::StudyError;
 use crate::study::file::resolved_yaml::write_text;
 use crate::study::file::source::Source;
+use crate::study::file::table_folders::TableFolders;
 use crate::study::plan::planned_study::Study;
 use crate::study::resolve::names::check_study_name;
 use crate::study::schema::{defaults_of, json_schema};
@@ -91,6 +93,7 @@ impl Template {
         let resolved = study.resolved_file();
         let kind = resolved.pointer("/model/kind").and_then(|kind| kind.as_str());
         let defaults = defaults_of(kind.unwrap_or_default());
-        Ok(annotate::annotate(&Source::new(file, source)?, &json_schema(), &defaults))
+        let folders = Rc::new(TableFolders::new(file, &[])?);
+        Ok(annotate::annotate(&Source::new(file, source, folders)?, &json_schema(), &defaults))
     }
 }

@@ -1,24 +1,29 @@
-//! What the search for the best design is asked for, validated.
+//! Resolution of the keys `optimize` and `identify`.
 
 use indexmap::IndexMap;
 
 use crate::analysis::Measure;
-use crate::study::error::{Fault, StudyError, list_names};
+use crate::study::error::{Fault, StudyError, describe_number, from_to, list_names};
 use crate::study::file::searches_file::{
-    LimitFile, MAX_DESIGNS, OptimizeFile, ResponseNames, SensitivityFile, SensitivityFrom,
+    IdentifyFile, LimitFile, MAX_DESIGNS, MOST_DESIGNS, MOST_PARAMETERS, OptimizeFile, PriorFile,
+    PriorSpacing, ResponseNames, SensitivityFile, SensitivityFrom,
 };
 use crate::study::file::source::{Source, SourcePath};
 use crate::study::file::values::{Count, Entry};
-use crate::study::file::yaml_tree::describe_number;
 use crate::study::plan::planned_runs::Plan;
 use crate::study::plan::planned_study::Designs;
 use crate::study::plan::response::Response;
-use crate::study::plan::searches::{Limit, Objective, Optimization};
-use crate::study::plan::variable::DesignValue;
+use crate::study::plan::searches::{Identification, Limit, Objective, Optimization};
+use crate::study::plan::variable::{DesignValue, VariableFile};
+use crate::study::resolve::variables::resolve_variables;
 
 /// The largest number of variables. There are 256 Sobol' dimensions, and the Sobol' indices need
 /// two per variable.
 const MAX_VARIABLES: usize = 100;
+/// The default number of samples of the posterior.
+const USUAL_SAMPLES: u64 = 4000;
+/// The default number of initial parameter sets for one parameter, two, and more.
+const USUAL_START: [u64; 3] = [128, 1000, 2000];
 
 /// Validates the key `optimize`.
 ///
@@ -54,14 +59,10 @@ pub(crate) fn resolve_optimization(
     let objectives = goals.objectives(file)?;
     let limits = goals.limits(file.subject_to.as_ref())?;
     let variables = designs.variables.len() as u64;
-    let usual = (5 * variables).max(10).min(Count::or(file.designs, MAX_DESIGNS));
-    let start_designs = Count::or(file.start_designs, usual);
-    let designs = Count::or(file.designs, (4 * start_designs).min(MAX_DESIGNS));
-    if start_designs > designs {
-        let found = format!("{start_designs} of {designs} designs");
-        let fault = Fault::new("more designs at the start than in all", found, "at most `designs`");
-        return Err(goals.path.key("start_designs").refuse_value(fault));
-    }
+    let given = [file.start_designs, file.designs];
+    let usual = (5 * variables).max(10);
+    let [start_designs, designs] =
+        effort(&goals.path, given, usual, |start| 4 * start, MAX_DESIGNS, "designs")?;
     let sensitivity = file.sensitivity.unwrap_or(SensitivityFile { from: None, samples: None });
     let from = sensitivity.from.unwrap_or_default();
     let default = if from == SensitivityFrom::Runs { 64 } else { 1024 };
@@ -81,6 +82,26 @@ pub(crate) fn resolve_optimization(
             .map(|values| goals.compare_with(values))
             .transpose()?,
     }))
+}
+
+/// Returns the numbers of designs at the start and in total, which is at most `most`. By default, the start has the `usual`
+/// number, and the total is a function of it. `what` are the designs in words.
+fn effort(
+    path: &SourcePath<'_>,
+    [start, total]: [Option<Count>; 2],
+    usual: u64,
+    usual_total: impl Fn(u64) -> u64,
+    most: u64,
+    what: &str,
+) -> Result<[u64; 2], StudyError> {
+    let start = Count::or(start, usual.min(Count::or(total, most)));
+    let total = Count::or(total, usual_total(start).min(most));
+    if start > total {
+        let problem = format!("more {what} at the start than in all");
+        let found = format!("{start} of {total} {what}");
+        return Err(path.key("start_designs").wrong_value(problem, found, "at most `designs`"));
+    }
+    Ok([start, total])
 }
 
 /// The objectives and limits, and the study that they belong to.
@@ -196,4 +217,64 @@ impl Goals<'_> {
         self.designs.set(self.plan, &values).map_err(|fault| path.refuse_value(fault))?;
         Ok(values)
     }
+}
+
+/// Validates the key `identify`.
+pub(crate) fn resolve_identification(
+    source: &Source,
+    plan: &Plan,
+    responses: &[Response],
+    written: Option<&IdentifyFile>,
+) -> Result<Option<Identification>, StudyError> {
+    let Some(file) = written else { return Ok(None) };
+    let path = source.path("identify");
+    if plan.sweeps_balls() {
+        let allowed =
+            "a sweep without `balls`; compare the fit of two studies for numbers of balls";
+        let fault = Fault::new("a sweep over the number of balls", "`balls` in `sweep`", allowed);
+        return Err(path.refuse_key(fault));
+    }
+    let section = path.key("parameters");
+    if file.parameters.is_empty() || file.parameters.len() > MOST_PARAMETERS {
+        let found = format!("{} parameters", file.parameters.len());
+        let allowed = format!("1 to {MOST_PARAMETERS} parameters, each with `from` and `to`");
+        return Err(section.wrong_value("nothing to identify, or too much", found, allowed));
+    }
+    let mut ranges: IndexMap<String, VariableFile> = IndexMap::new();
+    let mut spacings = Vec::new();
+    for (name, PriorFile { from, to, spacing }) in &file.parameters {
+        let path = section.key(name);
+        if name == "balls" {
+            let allowed =
+                "a numeric parameter; compare the fit of two studies for numbers of balls";
+            return Err(path.wrong_key("not a number to infer", name.as_str(), allowed));
+        }
+        if from.total_cmp(to).is_ge() {
+            let found = from_to(*from, *to);
+            return Err(path.wrong_value("an empty range", found, "`from` below `to`"));
+        }
+        let spacing = spacing.unwrap_or_default();
+        if spacing == PriorSpacing::Logarithmic && *from <= 0.0 {
+            let problem = "a logarithmic range that is not positive";
+            let allowed = "`from` above 0, or `spacing: linear`";
+            let fault = Fault::new(problem, format!("from {}", describe_number(*from)), allowed);
+            return Err(path.key("from").refuse_value(fault));
+        }
+        spacings.push(spacing);
+        let range = VariableFile { from: Some(*from), to: Some(*to), choices: None };
+        ranges.insert(name.clone(), range);
+    }
+    let parameters = resolve_variables(&section, plan, responses, Some(&ranges))?;
+    let usual = USUAL_START[parameters.len().clamp(1, USUAL_START.len()) - 1];
+    let given = [file.start_designs, file.designs];
+    let further = |start| start + start / 4;
+    let [start_designs, designs] =
+        effort(&path, given, usual, further, MOST_DESIGNS, "parameter sets")?;
+    Ok(Some(Identification {
+        parameters,
+        spacings,
+        start_designs,
+        designs,
+        posterior_samples: Count::or(file.posterior_samples, USUAL_SAMPLES),
+    }))
 }
