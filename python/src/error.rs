@@ -163,6 +163,12 @@ impl From<CommandError> for Trouble {
     }
 }
 
+impl From<arrow_schema::ArrowError> for Trouble {
+    fn from(error: arrow_schema::ArrowError) -> Self {
+        Trouble::Defect(format!("a defect of stickslip: {error}"))
+    }
+}
+
 /// A table in memory cannot be written if values do not fit their columns.
 impl From<WriteError> for Trouble {
     fn from(error: WriteError) -> Self {
