@@ -45,12 +45,13 @@ pub(super) fn release_slack(force_scale: f64) -> f64 {
 }
 
 /// Decides jointly for all contacts `at_rest` whether they stick or in which direction they set
-/// off, and returns the corresponding forces.
-pub(super) fn decide(
+/// off, and returns what `then` returns for the corresponding forces.
+pub(super) fn decide<R>(
     system: &dyn ForceModel,
     phases: &mut Phases,
     at_rest: &Open,
-) -> Result<Forces, Failure> {
+    then: impl FnOnce(&Forces) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     let tie = TIE * system.force_scale();
     let choices = [Phase::Stick, Phase::Slip(Direction::Forward), Phase::Slip(Direction::Backward)];
     let better = |forces: &Forces, phases: &[Phase], contact: usize| match phases[contact] {
@@ -73,7 +74,7 @@ pub(super) fn decide(
             (!sets_off).then_some(Phase::Stick)
         }
     };
-    resolve_modes(system, phases, at_rest, choices, better)
+    resolve_modes(system, phases, at_rest, choices, better, then)
 }
 
 /// Returns whether a contact would rest if it stuck, with the assumed phases of the others: by the
@@ -98,9 +99,16 @@ fn rests_with(
     stick_reserve(system, &system.forces_ahead(phases), contact) - value >= -tie
 }
 
-/// Stops the contacts whose speeds have reached zero, and returns which.
-pub(super) fn stop(phases: &mut Phases, speed: impl Fn(usize) -> f64) -> Open {
-    let stop = |(contact, phase): (usize, &mut Phase)| {
+/// Stops the contacts whose speeds have reached zero. Returns which contacts are at rest and open to a decision, and
+/// which have stopped. `stopped_at_once` is a contact that came to rest at the instant at which it had set off; it
+/// stays at rest.
+pub(super) fn stop(
+    phases: &mut Phases,
+    speed: impl Fn(usize) -> f64,
+    stopped_at_once: Option<usize>,
+) -> (Open, Open) {
+    let (mut at_rest, mut stopped) = (Open::new(), Open::new());
+    for (contact, phase) in phases.iter_mut().enumerate() {
         let stops = match *phase {
             Phase::Slip(direction) => direction * speed(contact) <= 0.0,
             _ => false,
@@ -108,7 +116,8 @@ pub(super) fn stop(phases: &mut Phases, speed: impl Fn(usize) -> f64) -> Open {
         if stops {
             *phase = Phase::Stick;
         }
-        stops
-    };
-    phases.iter_mut().enumerate().map(stop).collect()
+        stopped.push(stops);
+        at_rest.push(*phase == Phase::Stick && !(stops && stopped_at_once == Some(contact)));
+    }
+    (at_rest, stopped)
 }

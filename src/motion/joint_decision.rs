@@ -99,8 +99,8 @@ pub(super) type Open = SmallVec<[bool; 8]>;
 
 /// Decides the phases of the open contacts so that all conditions hold, in one state.
 ///
-/// Returns the corresponding forces; the other contacts are unchanged. `better` returns the phase that a contact should have
-/// instead if the assumed one fails its condition.
+/// Returns what `then` returns for the corresponding forces; the other contacts are unchanged. `better` returns the
+/// phase that a contact should have instead if the assumed one fails its condition.
 ///
 /// The conditions are a linear complementarity problem. For light balls its matrix is nearly
 /// diagonal; exchanging all failing phases simultaneously then solves it in one or two iterations.
@@ -109,16 +109,18 @@ pub(super) type Open = SmallVec<[bool; 8]>;
 /// none is chosen silently ([`crate::model::ExistenceVerdict`]).
 ///
 /// # Errors
-/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do.
-pub(super) fn resolve_modes(
+/// [`Failure::NoSolution`] if no combination meets all conditions, or if several different ones do, and the errors of
+/// `then`.
+pub(super) fn resolve_modes<R>(
     system: &dyn ForceModel,
     phases: &mut Phases,
     open: &Open,
     choices: [Phase; 3],
     better: impl Fn(&Forces, &[Phase], usize) -> Option<Phase>,
-) -> Result<Forces, Failure> {
+    then: impl FnOnce(&Forces) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     if !system.has_one_solution() {
-        return unique_or_refused(system, phases, open, choices, better);
+        return then(&unique_or_refused(system, phases, open, choices, better)?);
     }
     let contacts = || (0..open.len()).filter(|&contact| open[contact]);
     for _ in 0..phases.len() + 3 {
@@ -130,7 +132,7 @@ pub(super) fn resolve_modes(
             }
         }
         if exchanged == *phases {
-            return Ok(forces);
+            return then(&forces);
         }
         *phases = exchanged;
     }
@@ -138,7 +140,7 @@ pub(super) fn resolve_modes(
         let forces = system.forces(&candidate);
         if contacts().all(|contact| better(&forces, &candidate, contact).is_none()) {
             *phases = candidate;
-            return Ok(forces);
+            return then(&forces);
         }
     }
     Err(Failure::NoSolution { solutions: 0 })

@@ -1,7 +1,7 @@
 //! The decision between stick and slip by the method of the settings, at the start of a motion and at an instant.
 
 use super::evaluator::Forces;
-use super::joint_decision::{ForceModel, Open, RecordedForces, check_forces};
+use super::joint_decision::{ForceModel, RecordedForces, check_forces};
 use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
 use crate::model::{Friction, Method, System};
 
@@ -35,32 +35,15 @@ pub(super) fn decide_at_rest(
     phases: &mut Phases,
     fixed: &[usize],
 ) -> Result<(), Failure> {
-    let forces = match method {
-        Method::Switch => switch_model::decide(system, phases),
+    match method {
+        Method::Switch => switch_model::decide(system, phases, check_forces),
         Method::Event => {
             let is_open = |(contact, phase): (usize, &Phase)| {
                 *phase == Phase::Stick && !fixed.contains(&contact)
             };
             let at_rest = phases.iter().enumerate().map(is_open).collect();
-            event_driven::decide(system, phases, &at_rest)
+            event_driven::decide(system, phases, &at_rest, check_forces)
         }
-    }?;
-    check_forces(&forces)
-}
-
-/// Changes the phases of contacts whose speeds have reached zero, or the edge of the band. Returns which contacts have stopped:
-/// in the switch model, none does at once.
-pub(super) fn end_slip(
-    settings: Settings,
-    phases: &mut Phases,
-    speed: impl Fn(usize) -> f64,
-) -> Open {
-    match settings.method {
-        Method::Switch => {
-            switch_model::cross_band(settings.band, phases, speed);
-            Open::from_elem(false, phases.len())
-        }
-        Method::Event => event_driven::stop(phases, speed),
     }
 }
 
@@ -87,5 +70,9 @@ pub fn decide(
     state: &[f64],
     phases: &mut Phases,
 ) -> Result<Forces, Failure> {
-    switch_model::decide(&RecordedForces::new(evaluator, state), phases)
+    switch_model::decide(
+        &RecordedForces::new(evaluator, state),
+        phases,
+        |forces| Ok(forces.clone()),
+    )
 }

@@ -10,7 +10,7 @@
 
 use super::Failure;
 use super::evaluator::Forces;
-use super::joint_decision::{ForceModel, resolve_modes, sets_off, stick_reserve};
+use super::joint_decision::{ForceModel, Open, resolve_modes, sets_off, stick_reserve};
 use super::{Direction, Phase, Phases, Settings};
 use crate::model::System;
 
@@ -39,10 +39,17 @@ impl Settings {
     }
 }
 
-/// Decides stick or transition jointly for all contacts in the band and returns the corresponding forces. Slipping contacts are
-/// unchanged.
-pub(super) fn decide(system: &dyn ForceModel, phases: &mut Phases) -> Result<Forces, Failure> {
-    let open = phases.iter().map(|phase| phase.in_band()).collect();
+/// Decides stick or transition jointly for all contacts in the band and returns what `then` returns for the
+/// corresponding forces. Slipping contacts are unchanged.
+pub(super) fn decide<R>(
+    system: &dyn ForceModel,
+    phases: &mut Phases,
+    then: impl FnOnce(&Forces) -> Result<R, Failure>,
+) -> Result<R, Failure> {
+    let mut open = Open::new();
+    for phase in phases.iter() {
+        open.push(phase.in_band());
+    }
     let choices = [
         Phase::Stick,
         Phase::Transition(Direction::Forward),
@@ -56,7 +63,7 @@ pub(super) fn decide(system: &dyn ForceModel, phases: &mut Phases) -> Result<For
             (direction * forces[contact].acceleration < -SLACK).then_some(Phase::Stick)
         }
     };
-    resolve_modes(system, phases, &open, choices, better)
+    resolve_modes(system, phases, &open, choices, better, then)
 }
 
 /// Enters or leaves the band where the speeds have reached its edge.

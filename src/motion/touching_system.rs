@@ -7,9 +7,9 @@ use smallvec::SmallVec;
 
 use super::impact::{Impact, impact};
 use super::impulse_response::ImpactPlace;
-use super::stick_slip::{end_slip, first_phases};
-use super::{Direction, Evaluator, Failure, Phase, Phases, Settings};
-use crate::model::{Components, Dual, Gap, Opening, TOUCHING};
+use super::stick_slip::first_phases;
+use super::{Direction, Evaluator, Failure, Phase, Phases, Settings, event_driven, switch_model};
+use crate::model::{Components, Dual, Gap, Method, Opening, TOUCHING};
 
 /// Bodies that start deeper in each other than this, non-dimensional, are no start of a motion.
 const DEEPEST: f64 = 1e-6;
@@ -190,14 +190,22 @@ impl<'a> TouchingSystem<'a> {
     ) -> Result<(), Failure> {
         self.join(state, phases, failed);
         let speeds = self.evaluator.speeds(state);
-        let stopped = end_slip(self.settings, phases, |contact| speeds[contact]);
-        for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
-            self.stop(contact, state);
+        let mut fixed: SmallVec<[usize; 1]> = SmallVec::new();
+        match self.settings.method {
+            Method::Switch => {
+                switch_model::cross_band(self.settings.band, phases, |contact| speeds[contact]);
+            }
+            Method::Event => {
+                let (_, stopped) = event_driven::stop(phases, |contact| speeds[contact], at_once);
+                for (contact, _) in stopped.iter().enumerate().filter(|(_, stopped)| **stopped) {
+                    self.stop(contact, state);
+                }
+                fixed.extend(at_once.filter(|contact| stopped[*contact]));
+            }
         }
-        let fixed = at_once.filter(|contact| stopped[*contact]);
         self.close(state, phases);
         self.bring_to_rest(state, phases);
-        self.decide(state, phases, fixed.as_slice())
+        self.decide(state, phases, &fixed)
     }
 
     /// Stops a contact, if its speed is a component.

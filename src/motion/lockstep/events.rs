@@ -12,11 +12,12 @@ use super::lane::Lane;
 use crate::model::{Components, Method};
 use crate::motion::condition::Condition;
 use crate::motion::impact::Impact;
+use crate::motion::joint_decision::check_forces;
 use crate::motion::lockstep::vector::Vector;
 use crate::motion::saltation::{saltation, saltation_at_impact, saltation_at_reset};
-use crate::motion::stick_slip::{decide_at_rest, end_slip, start_phases};
+use crate::motion::stick_slip::start_phases;
 use crate::motion::touching_system::{TouchingSystem, VANISHES};
-use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed};
+use crate::motion::{Evaluator, Failure, Phase, Phases, any_closed, event_driven, switch_model};
 
 /// An event that ends a step.
 #[derive(Clone, Copy)]
@@ -119,23 +120,31 @@ fn decide<S: Vector, K: Kernel<S>>(
         (_, Some(component)) => state[component],
         (_, None) => kernel.speed(states, contact)[lane],
     };
-    let method = run.settings.method;
-    let stopped = end_slip(run.settings, phases, speed);
-    let fixed = stops_at_once(contact).filter(|contact| stopped[*contact]);
-    for contact in 0..kernel.contacts() {
-        match kernel.coordinates(contact).1 {
-            Some(component) if stopped[contact] => state[component] = 0.0,
-            // A sliding speed that is no component drifts while its contact sticks, by rounding and by the error of steps.
-            // The law of friction would take what is left for slip.
-            None if method == Method::Event && phases[contact] == Phase::Stick => {
-                hold(kernel, (lane, run), state, contact);
+    match run.settings.method {
+        Method::Switch => {
+            switch_model::cross_band(run.settings.band, phases, speed);
+            kernel.with_force_model(lane, run, state, |at| {
+                switch_model::decide(at, phases, check_forces)
+            })?;
+        }
+        Method::Event => {
+            let (at_rest, stopped) = event_driven::stop(phases, speed, stops_at_once(contact));
+            for (contact, stopped) in stopped.into_iter().enumerate().take(kernel.contacts()) {
+                match kernel.coordinates(contact).1 {
+                    Some(component) if stopped => state[component] = 0.0,
+                    // A sliding speed that is no component drifts while its contact sticks, by rounding and by the error of steps.
+                    // The law of friction would take what is left for slip.
+                    None if stopped || at_rest[contact] => {
+                        hold(kernel, (lane, run), state, contact)
+                    }
+                    _ => {}
+                }
             }
-            _ => {}
+            kernel.with_force_model(lane, run, state, |at| {
+                event_driven::decide(at, phases, &at_rest, check_forces)
+            })?;
         }
     }
-    kernel.with_force_model(lane, run, state, |at| {
-        decide_at_rest(method, at, phases, fixed.as_slice())
-    })?;
     Ok(None)
 }
 
