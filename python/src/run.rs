@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use stickslip::CommandError;
 use stickslip::analysis::PointDetail;
 use stickslip::cli::{MOST_LINES, PointsTable};
 use stickslip::engine::{
@@ -42,7 +43,10 @@ impl Run {
         let mut sink = InMemory(&mut tables, &mut summary);
         let ended = run_study(study, self.options(), stop, &progress, None, &mut sink);
         progress.close();
-        let totals = ended?;
+        let totals = ended.map_err(|error| match error {
+            CommandError::Write(error) => Trouble::from(error),
+            error => error.into(),
+        })?;
         let tables = tables.finish()?;
         let counted = begun.with_runs(totals.counts, &totals.failures);
         let manifest = Manifest { complete: true, threads: self.threads, ..counted };

@@ -8,10 +8,11 @@
 //! D. B. Rubin 1981, doi:10.1214/aos/1176345338). Runs of different sets are independent. The scatter of the replicates thus
 //! contains the error of the runs of each set, and the deviation of the sets from the regression over them.
 //!
-//! The excess of mass of a smoothed density is found by importance sampling. A polynomial of densities has the mass of the polynomial of the probabilities of rest. It may be negative somewhere, and where
-//! a part of the mean takes its place, the density has an excess of mass. The excess is estimated at reference positions: rests of
-//! the first parameter sets, which fill the prior, measured with the error of the measurements. Their own density, the proposal, is
-//! the mean of the densities of these sets at rest. The whole mass is not estimated in this way: its error would shift all posteriors alike.
+//! The excess of mass of a smoothed density is found by importance sampling. A polynomial of densities has the mass of the
+//! polynomial of the probabilities of rest. It may be negative somewhere, and where a part of the mean takes its place, the
+//! density has an excess of mass. The excess is estimated at reference positions: rests of the first parameter sets, which fill
+//! the prior, measured with the error of the measurements. Their own density, the proposal, is the mean of the densities of
+//! these sets at rest. The whole mass is not estimated in this way: its error would shift all posteriors alike.
 
 use rand::RngExt;
 use rand_distr::Exp1;

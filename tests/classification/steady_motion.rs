@@ -326,3 +326,24 @@ force: {{x: -d * x'}}"
     assert!(times[0].is_some());
     assert_eq!([&times[..3], &times[..3]], [&times[3..6], &times[6..]]);
 }
+
+/// Forces whose factors vanish in the middle of the start ranges depend on the positions all the same: a small machine is as accurate as
+/// a large one of its shape.
+#[test]
+fn small_machines_with_forces_that_vanish_in_the_middle_are_accurate() {
+    let at_end = |size: f64| -> Vec<[f64; 2]> {
+        let range = format!("start: [-{size}, {size}], start_rate: 0");
+        let system = format!(
+            "parameters: {{m: 1e-9 kg, k: 1e-3 N/m, d: 1e-8 N s/m, l: {size} m}}
+coordinates: {{x: {{unit: m, {range}}}, y: {{unit: m, {range}}}}}
+mass: {{x: {{x: m}}, y: {{y: m}}}}
+force: {{x: -k * x * y^2 / l^2 - d * x', y: -k * y * x^2 / l^2 - d * y'}}"
+        );
+        let all = cases(&system, 4, 0.02).into_iter().map(|case| simulate(&case));
+        all.map(|outcome| [0, 1].map(|number| outcome.outputs[number].end / size)).collect()
+    };
+    let (large, small) = (at_end(1.0), at_end(1e-6));
+    for (large, small) in large.iter().flatten().zip(small.iter().flatten()) {
+        assert!((large - small).abs() < 1e-6, "{large} {small}");
+    }
+}

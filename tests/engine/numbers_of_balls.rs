@@ -145,6 +145,18 @@ fn a_sweep_costs_as_much_as_separate_studies() {
     }
 }
 
+/// A stopped sweep goes on to the same bytes.
+#[test]
+fn a_stopped_sweep_goes_on() {
+    let text = study("{monte_carlo: {samples: 16}}", "").replace("[3, 1, 2]", "[2, 1]");
+    let scratch = Scratch::with(text);
+    scratch.well("run a.yaml --out whole");
+    let stopped = scratch.stickslip("run a.yaml --out stopped --chunk 5 --max-seconds 0.05");
+    assert!([Some(130), Some(0)].contains(&stopped.code), "{}", stopped.err);
+    scratch.stickslip("resume stopped --threads 2");
+    assert_eq!(scratch.data("stopped"), scratch.data("whole"));
+}
+
 /// Each point of a design has its own row, with the response of the study with its number of balls.
 #[test]
 fn designs_have_a_response_for_each_number_of_balls() {

@@ -66,6 +66,11 @@ impl Instance<'_> {
         // The largest speed at which an angle turns at the start.
         let turns = |i: &usize| instance.is_periodic(*i);
         let turning = (0..n).filter(turns).map(|i| reach[i][1]).fold(0.0, f64::max);
+        let is_ignorable = |number: &usize| {
+            let acts = slopes[0].column(*number).iter().any(|slope| *slope != 0.0);
+            Ok(!acts && self.is_ignorable(values, &middle, *number)?)
+        };
+        let ignorable = all.iter().map(is_ignorable).collect::<Valued<Vec<bool>>>()?;
         let [stiffness, damping] = slopes.map(|slopes| largest_eigenvalue(&slopes));
         let forcing = period.map_or(0.0, |period| TAU / period.abs());
         let frequency = stiffness.sqrt().max(forcing);
@@ -74,8 +79,6 @@ impl Instance<'_> {
         let largest = |of: &dyn Fn(usize) -> f64| {
             (0..n).map(of).filter(|value| value.is_finite()).fold(0.0, f64::max)
         };
-        let ignorable = all.iter().map(|number| self.is_ignorable(values, &middle, *number));
-        let ignorable = ignorable.collect::<Valued<Vec<bool>>>()?;
         // How far a coordinate moves. Without units, a start value other than 0 does not tell: it may be any small number.
         let size = |i: usize| match definition.has_units() {
             _ if ignorable[i] => 0.0,
@@ -132,13 +135,10 @@ impl Instance<'_> {
     /// Returns whether no formula contains a coordinate but for its rates of change, such as the position of a car. Where it starts
     /// tells nothing of the motion.
     fn is_ignorable(&self, values: &[f64], state: &[[f64; 2]], number: usize) -> Valued<bool> {
-        let at = |displacement: f64| {
-            let mut state = state.to_vec();
-            state[number][0] += displacement;
-            self.all_at(values, &state, (0.0, 0.0))
-        };
-        let here = at(0.0)?;
-        Ok(at(0.29)? == here && at(-0.37)? == here)
+        let mut state = state.to_vec();
+        // What is computed from it is not a number either, also where its factor vanishes.
+        state[number][0] = f64::NAN;
+        Ok(self.all_at(values, &state, (0.0, 0.0))?.iter().all(|value| !value.is_nan()))
     }
 
     /// Returns the slopes of the accelerations of some coordinates without contacts over their values, and over their rates of

@@ -92,6 +92,8 @@ impl OptimumData {
                 true => Table::of_itself(directory, name).map(|(table, _)| Some(table)),
                 false => Ok(None),
             };
+            // The indices are those of optimum.json. A damaged table of them is refused, too.
+            open("sensitivities")?;
             if let Some(table) = open("finalists")? {
                 data.best = data.read_best(&table)?;
             }

@@ -34,17 +34,16 @@ fn ranges(root: &YamlNode) -> Vec<KeyPath> {
     };
     let mut all = Vec::new();
     for (index, block) in blocks.iter().enumerate() {
-        for part in ["grid", "zip"] {
-            let Some(Content::Map(lists)) = block.get(part).map(|lists| &lists.content) else {
-                continue;
-            };
-            for (parameter, _) in
-                lists.iter().filter(|(_, list)| matches!(list.content, Content::Map(_)))
-            {
-                let key = |name: &str| Segment::Key(name.to_owned());
-                let parameter = key(parameter.name());
-                all.push(KeyPath(vec![key("sweep"), Segment::Item(index), key(part), parameter]));
-            }
+        let Content::Map(parts) = &block.content else { continue };
+        for (part, lists) in parts.iter().filter(|(part, _)| ["grid", "zip"].contains(&part.name()))
+        {
+            let Content::Map(lists) = &lists.content else { continue };
+            let ranges = lists.iter().filter(|(_, list)| matches!(list.content, Content::Map(_)));
+            all.extend(ranges.map(|(parameter, _)| {
+                let [sweep, part, parameter] = ["sweep", part.name(), parameter.name()]
+                    .map(|name| Segment::Key(name.to_owned()));
+                KeyPath(vec![sweep, Segment::Item(index), part, parameter])
+            }));
         }
     }
     all

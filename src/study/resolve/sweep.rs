@@ -200,7 +200,7 @@ pub(crate) fn resolve_value(
     entry: &Entry,
     form: &Model,
 ) -> Result<ParameterValue, Fault> {
-    let names: Vec<_> = NormalForce::ALL.iter().map(|force| force.name()).collect();
+    let names = || NormalForce::ALL.iter().map(|force| force.name()).collect::<Vec<_>>();
     match (entry, parameter.is_number()) {
         (Entry::Number(number), true) => {
             parameter.check(*number, form).map(|()| ParameterValue::Number(*number))
@@ -208,12 +208,12 @@ pub(crate) fn resolve_value(
         (Entry::Text(text), true) => {
             Err(Fault::new("not a number", format!("text {:?}", shorten(text)), "a number"))
         }
-        (Entry::Text(text), false) => match names.iter().copied().find(|name| name == text) {
+        (Entry::Text(text), false) => match names().into_iter().find(|name| name == text) {
             Some(name) => Ok(ParameterValue::Text(name)),
-            None => Err(Fault::new("unknown choice", shorten(text), list_names(text, &names))),
+            None => Err(Fault::new("unknown choice", shorten(text), list_names(text, &names()))),
         },
         (Entry::Number(number), false) => {
-            Err(Fault::new("wrong type", describe_number(*number), names.join(", ")))
+            Err(Fault::new("wrong type", describe_number(*number), names().join(", ")))
         }
     }
 }
