@@ -266,7 +266,7 @@ mod tests {
         let progress = begin(3);
         progress.finished(Label::Equilibrium);
         progress.finished(Label::Failed);
-        let first = || watch.look().into_iter().next().unwrap();
+        let first = || watch.look().into_iter().next().expect("a display watches one part");
         let (study, seen) = first();
         assert_eq!(study, "night");
         assert_eq!((seen.runs, seen.most_runs, seen.at_most), (2, 3, true));

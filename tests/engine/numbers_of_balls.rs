@@ -145,7 +145,7 @@ fn a_sweep_costs_as_much_as_separate_studies() {
     }
 }
 
-/// A stopped sweep goes on to the same bytes.
+/// A sweep over the number of balls that is stopped and resumed writes the same files as one that is not stopped.
 #[test]
 fn a_stopped_sweep_goes_on() {
     let text = study("{monte_carlo: {samples: 16}}", "").replace("[3, 1, 2]", "[2, 1]");

@@ -42,7 +42,8 @@ fn by_place(case: &Case) -> Outcome {
 
 fn sampled(study: &Study, simulate: impl Fn(&Case) -> Outcome + Sync) -> Kept {
     let mut kept = Kept::default();
-    let totals = run_in_memory(study, &mut kept, &AtomicBool::new(false), simulate).unwrap();
+    let totals = run_in_memory(study, &mut kept, &AtomicBool::new(false), simulate)
+        .expect("nothing can fail in memory");
     assert!(!totals.interrupted());
     assert_eq!(totals.counts.total(), kept.runs.len() as u64);
     kept

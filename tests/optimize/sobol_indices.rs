@@ -19,7 +19,7 @@ fn ishigami() {
     {
         for (index, expected) in [(found.first_order, first), (found.total, total)] {
             assert!((index.value - expected).abs() < 0.02, "{found:?} {expected}");
-            let (low, high) = (index.low.unwrap(), index.high.unwrap());
+            let (low, high) = index.low.zip(index.high).expect("bootstrap intervals");
             assert!(low <= index.value && index.value <= high && high - low < 0.12, "{found:?}");
         }
     }
@@ -38,7 +38,9 @@ fn intervals_hold() {
             };
             let values: Vec<f64> = pick_freeze_sample(64, 3, seed).iter().map(function).collect();
             let found = sobol_indices(&values, 3, Some(u64::from(seed))).unwrap()[1];
-            found.first_order.low.unwrap() <= truth && truth <= found.first_order.high.unwrap()
+            let ends = found.first_order.low.zip(found.first_order.high);
+            let (low, high) = ends.expect("bootstrap intervals");
+            low <= truth && truth <= high
         })
         .count();
     assert!(held >= 172, "{held}");

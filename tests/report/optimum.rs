@@ -151,7 +151,7 @@ optimize: {minimize: mean, designs: 4, start_designs: 4, finalists: 1}
     let mut data = OptimumData::read(&scratch.path("out")).unwrap();
     assert!(!data.best.is_empty());
     let mut with = |found: &[&str]| {
-        data.optimum.as_mut().unwrap()["notes"] = json!(found);
+        data.optimum.as_mut().expect("the search is complete")["notes"] = json!(found);
         notes(&data)
     };
     assert_eq!(with(&[]), [""; 0]);

@@ -25,7 +25,7 @@ fn the_list_is_valid_if_a_process_is_killed_before_or_after_a_renaming() {
         (changed, list)
     };
     let mut list = FileList::default();
-    list.write(scratch.path(), "a", b"one", true).unwrap();
+    list.write(scratch.path(), "a", b"one", true).expect("the folder is writable");
     // The process is killed before the renaming, twice.
     announced(&mut list, "two");
     let (changed, mut list) = reconciled();
@@ -47,11 +47,11 @@ fn the_list_is_valid_if_a_process_is_killed_before_or_after_a_renaming() {
         list["replaced"].get(name).is_some()
     };
     for (content, replaces) in [("one", false), ("one", false), ("two", true), ("two", false)] {
-        list.write(scratch.path(), "a", content.as_bytes(), true).unwrap();
+        list.write(scratch.path(), "a", content.as_bytes(), true).expect("the folder is writable");
         assert_eq!(is_replaced("a"), replaces, "{content}");
     }
-    list.write(scratch.path(), "a", b"three", true).unwrap();
-    list.write(scratch.path(), "b", b"one", true).unwrap();
+    list.write(scratch.path(), "a", b"three", true).expect("the folder is writable");
+    list.write(scratch.path(), "b", b"one", true).expect("the folder is writable");
     assert!(!is_replaced("a"));
     list.remove("b");
     fs::remove_file(scratch.path().join("a")).unwrap();
