@@ -108,6 +108,18 @@ impl<S: Vector, K: Kernel<S>> KernelLanes<S, K> {
         self.kernel.set_rest(lane, run, state);
         self.gaps.set(lane, run);
     }
+
+    /// Exchanges the phases after the switches at the end of the latest step with those during the step. `to_during` states whether
+    /// those during the step come into force.
+    pub(super) fn exchange_phases(&mut self, to_during: bool) {
+        for lane in (0..LANES).filter(|lane| self.ended & 1 << lane != 0) {
+            let Some(run) = &mut self.lanes[lane] else { continue };
+            std::mem::swap(&mut run.phases, &mut run.during);
+            let states = if to_during { &self.before } else { &self.state };
+            let state = self.kernel.lane(states, lane);
+            self.kernel.set_phases(&mut self.workspace, lane, run, &state);
+        }
+    }
 }
 
 /// Propagates perturbations over a step of this length. Not inlined, because it is large and called twice.

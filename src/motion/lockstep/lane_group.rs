@@ -299,6 +299,8 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
 
     fn perturbations_within(&mut self, after: f64) -> Vec<Components> {
         let length = Lanes::splat(self.simd, after);
+        // The equations of lanes whose step has ended with a switch are already those after it.
+        self.exchange_phases(true);
         let states = propagate(
             self.simd,
             &self.kernel,
@@ -306,6 +308,7 @@ impl<S: Vector, K: Kernel<S>> LaneGroup for KernelLanes<S, K> {
             &self.perturbation_before,
             length,
         );
+        self.exchange_phases(false);
         (0..LANES).map(|lane| self.kernel.lane(&states, lane)).collect()
     }
 }
