@@ -188,7 +188,9 @@ fn unique_or_refused(
 ) -> Result<Forces, Failure> {
     let given = phases.clone();
     let all = combinations(&given, open, choices)?;
-    let (decided, forces) = only_motion(&given, all, |candidate| {
+    let others = all.filter(|other| *other != given);
+    let all = std::iter::once(given.clone()).chain(others);
+    let (decided, forces) = only_motion(all, |candidate| {
         let forces = system.forces(candidate);
         let fits = |contact: usize| !open[contact] || better(&forces, candidate, contact).is_none();
         let fit = !forces.iter().all(is_finite) || (0..candidate.len()).all(fits);
@@ -198,22 +200,20 @@ fn unique_or_refused(
     Ok(forces)
 }
 
-/// Returns the only motion among combinations of phases, with its forces. The combination `given` is tried first and
-/// preferred to others with the same motion. `fitting` returns the forces of a combination if it meets all conditions, or
+/// Returns the only motion among combinations of phases, with its forces. Of combinations with the same motion, the first one is
+/// preferred. `fitting` returns the forces of a combination if it meets all conditions, or
 /// if its forces are not finite.
 ///
 /// # Errors
 /// [`Failure::NoSolution`] unless all combinations that meet the conditions, with every contact closed, have the same
 /// accelerations. If all of them need a normal force that pulls, the first of them is returned: contact is lost.
 pub(super) fn only_motion(
-    given: &Phases,
-    others: impl Iterator<Item = Phases>,
+    candidates: impl Iterator<Item = Phases>,
     mut fitting: impl FnMut(&Phases) -> Option<Forces>,
 ) -> Result<(Phases, Forces), Failure> {
     let mut solutions: Vec<(Phases, Forces)> = Vec::new();
     let mut unsound = None;
-    let others = others.filter(|other| other != given);
-    for candidate in std::iter::once(given.clone()).chain(others) {
+    for candidate in candidates {
         let Some(forces) = fitting(&candidate) else { continue };
         if forces.iter().any(|contact| !is_finite(contact) || contact.normal <= 0.0) {
             unsound.get_or_insert((candidate, forces));

@@ -34,12 +34,15 @@ const MOST_TRIED: usize = 100_000;
 const FEW: usize = 3;
 
 impl TouchingSystem<'_> {
-    /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are.
+    /// Decides the phases of contacts at rest or in the band, and of closed gaps. The contacts `fixed` stay as they are. Where the
+    /// normal force of the contact `released` has become negative, by less than the forces are rounded here, it opens if that is
+    /// the same motion.
     pub(super) fn decide(
         &self,
         state: &[f64],
         phases: &mut Phases,
         fixed: &[usize],
+        released: Option<usize>,
     ) -> Result<(), Failure> {
         if self.openings.is_empty() && !any_closed(phases) {
             let model = RecordedForces::new(self.evaluator, state);
@@ -81,8 +84,12 @@ impl TouchingSystem<'_> {
                 .filter(|(candidate, forces)| fits(candidate, forces, least));
             likely.extend(fit.map(|(candidate, _)| candidate.clone()));
         }
+        likely.insert(0, given.clone());
+        if let Some(contact) = released {
+            likely.sort_by_key(|candidate| candidate[contact] != Phase::Apart);
+        }
         let mut only = |least: f64| {
-            only_motion(&given, likely.iter().cloned(), |candidate| {
+            only_motion(likely.iter().cloned(), |candidate| {
                 if !is_consistent && *candidate == given {
                     return None;
                 }

@@ -108,7 +108,7 @@ impl<'a> TouchingSystem<'a> {
         phases: &mut Phases,
     ) -> Result<Impact, Failure> {
         let impact = self.collide(state, phases, None)?;
-        self.decide(state, phases, &[])?;
+        self.decide(state, phases, &[], None)?;
         Ok(impact)
     }
 
@@ -179,16 +179,17 @@ impl<'a> TouchingSystem<'a> {
         Ok(impact)
     }
 
-    /// Decides the phases where the condition of a contact or a gap has failed: `failed` is a contact. `at_once` is a contact
-    /// that stops at the instant at which it set off; it stays at rest.
+    /// Decides the phases where the condition of a contact or a gap has failed: `failed` is a contact, and whether its normal force
+    /// has become negative. `at_once` is a contact that stops at the instant at which it set off; it stays at rest.
     pub(super) fn switch(
         &self,
         state: &mut Components,
         phases: &mut Phases,
-        failed: Option<usize>,
+        failed: Option<(usize, bool)>,
         at_once: Option<usize>,
     ) -> Result<(), Failure> {
-        self.join(state, phases, failed);
+        let contact = failed.map(|(contact, _)| contact);
+        self.join(state, phases, contact);
         let speeds = self.evaluator.speeds(state);
         let mut fixed: SmallVec<[usize; 1]> = SmallVec::new();
         match self.settings.method {
@@ -205,7 +206,8 @@ impl<'a> TouchingSystem<'a> {
         }
         self.close(state, phases);
         self.bring_to_rest(state, phases);
-        self.decide(state, phases, &fixed)
+        let released = failed.filter(|(_, released)| *released).map(|(contact, _)| contact);
+        self.decide(state, phases, &fixed, released)
     }
 
     /// Stops a contact, if its speed is a component.

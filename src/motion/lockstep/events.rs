@@ -109,8 +109,8 @@ fn decide<S: Vector, K: Kernel<S>>(
     }
     let position = |contact: usize| state[kernel.coordinates(contact).0];
     if run.has_openings || any_closed(phases) || gap_conditions::any_touch(run, position) {
-        let failed = (contact < kernel.contacts()).then_some(contact);
-        let at_once = failed.and_then(stops_at_once);
+        let failed = (contact < kernel.contacts()).then_some((contact, which == 2));
+        let at_once = failed.and_then(|(contact, _)| stops_at_once(contact));
         let switched = with_touching(kernel, (lane, run), |in_touch| {
             in_touch.switch(state, phases, failed, at_once)
         });
