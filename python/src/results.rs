@@ -131,7 +131,7 @@ impl Results {
         self.summary(py)
     }
 
-    /// Number of runs by label: equilibrium, limit_cycle, creep, quasi_periodic, irregular, undecided, failed.
+    /// Number of runs by label: equilibrium, limit_cycle, periodic, creep, quasi_periodic, irregular, undecided, failed.
     #[getter]
     fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let labels = PyDict::new(py);

@@ -39,7 +39,7 @@ pub struct Simulation {
 
 #[pymethods]
 impl Simulation {
-    /// Label of the run: equilibrium, limit_cycle, creep, quasi_periodic, irregular, undecided or failed.
+    /// Label of the run: equilibrium, limit_cycle, periodic, creep, quasi_periodic, irregular, undecided or failed.
     #[getter]
     fn label(&self) -> &str {
         self.label

@@ -7,7 +7,7 @@ import pyarrow
 import pyarrow.parquet
 
 HASH = "0" * 64
-LABELS = ("equilibrium", "limit_cycle", "creep", "quasi_periodic", "irregular", "undecided", "failed")
+LABELS = ("equilibrium", "limit_cycle", "periodic", "creep", "quasi_periodic", "irregular", "undecided", "failed")
 PARAMETERS = """\
 model:
   kind: ball_balancer

@@ -9,8 +9,8 @@ const REST: usize = 0;
 /// Kind of a time at which a run was stopped while moving, in [`super::ValueCounts`].
 pub(super) const STOPPED: usize = 1;
 
-/// Returns the time at which a run came to rest or was stopped, s, with its kind. A run on a limit
-/// cycle never comes to rest: it is stopped at an infinite time. `None` if no time is known.
+/// Returns the time at which a run came to rest or was stopped, s, with its kind. A run that repeats
+/// never comes to rest: it is stopped at an infinite time. `None` if no time is known.
 pub(crate) fn rest_or_stop_time(
     label: Label,
     time_to_rest_s: Option<f64>,
@@ -18,7 +18,9 @@ pub(crate) fn rest_or_stop_time(
 ) -> Option<(f64, usize)> {
     match (time_to_rest_s, end_time_s) {
         (Some(time), _) => Some((time, REST)),
-        (None, _) if label == Label::LimitCycle => Some((f64::INFINITY, STOPPED)),
+        (None, _) if matches!(label, Label::LimitCycle | Label::Periodic) => {
+            Some((f64::INFINITY, STOPPED))
+        }
         (None, end) => end.map(|end| (end, STOPPED)),
     }
 }

@@ -52,6 +52,12 @@ const LEAST_WAY: f64 = 1e-12;
 /// Distance from the unit circle below which a multiplier does not decide the stability, because
 /// the orbit closes only to within the tolerances.
 const MULTIPLIER_DOUBT: f64 = 1e-4;
+/// The largest closing error of a motion that repeats, over its size, and the largest distance of its largest multiplier below 1.
+const REPEATS: f64 = 1e-8;
+const NEUTRAL: f64 = 1e-6;
+/// A contact that sticks for a shorter part of the period touches the edge of sticking, within the accuracy of the run. Neighbours on
+/// one side of such a motion do not stick, so that its multipliers say nothing about them.
+const GRAZES: f64 = 1e-3;
 
 /// A closed orbit.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +91,8 @@ pub struct Orbit {
     pub margin: Option<f64>,
     /// Moduli of the multipliers, without those of neutral directions, descending.
     pub multipliers: Vec<f64>,
+    /// Whether the run approaches the orbit. Otherwise the run repeats it.
+    pub attracts: bool,
     /// Number of contacts that rest throughout, each anywhere in an interval, and of translations that no equation notices: one
     /// neutral direction each.
     pub neutral_directions: usize,
@@ -95,9 +103,11 @@ pub struct Orbit {
 pub enum Verdict {
     /// A limit cycle that attracts the run.
     Stable(Orbit),
+    /// A closed orbit that the run repeats and that disturbances neither approach nor leave.
+    Repeats(Orbit),
     /// A closed orbit from which disturbances grow.
     Unstable(Orbit),
-    /// Neither could be shown.
+    /// Nothing could be shown.
     Open,
 }
 
@@ -117,7 +127,11 @@ pub(super) type PassageState<'a> = (&'a Phases, &'a Components);
 /// closed if its closing error is at most `closure`; the refinement aims for less.
 pub(super) fn examine(map: ReturnMap, passed: &[PassageState], closure: f64) -> Option<Verdict> {
     let (_, run) = passed.first()?;
-    let closed = in_fewest_turns(shoot(map, run, closure)?, closure);
+    let first = map.follow_with_slope(run);
+    if let Some(orbit) = repeats(map, run, first.as_ref()) {
+        return Some(Verdict::Repeats(orbit));
+    }
+    let closed = in_fewest_turns(shoot(map, run, first?, closure)?, closure);
     if is_equilibrium(&closed) {
         return None;
     }
@@ -132,9 +146,50 @@ pub(super) fn examine(map: ReturnMap, passed: &[PassageState], closure: f64) -> 
         return Some(Verdict::Unstable(orbit));
     }
     let is_stable = largest < 1.0 - MULTIPLIER_DOUBT
+        && !orbit.grazes()
         && orbit.margin.is_none_or(|margin| margin > 0.0)
         && (has_attracted(&closed, passed, largest) || attracts(&closed, run, largest, closure));
-    Some(if is_stable { Verdict::Stable(orbit) } else { Verdict::Open })
+    Some(match is_stable {
+        true => Verdict::Stable(Orbit { attracts: true, ..orbit }),
+        false => Verdict::Open,
+    })
+}
+
+impl Orbit {
+    /// Returns whether a contact touches the edge of sticking.
+    fn grazes(&self) -> bool {
+        self.stick_fraction.iter().any(|part| *part > 0.0 && *part < GRAZES)
+    }
+}
+
+/// Returns the orbit of a run that repeats, and that disturbances neither approach nor leave by their multipliers. `first` is the first
+/// return with its derivative. A motion that grazes a switch, and has no derivative, counts at the end of a run only, and so does one
+/// that a force drives, which may creep.
+fn repeats(map: ReturnMap, run: &[f64], first: Option<&(Return, DMatrix<f64>)>) -> Option<Orbit> {
+    let error = |end: &Return| map.section.difference(&end.state, run).amax();
+    let neutral = 1.0 - NEUTRAL..1.0 + MULTIPLIER_DOUBT;
+    let is_neutral = |moduli: &Vec<f64>| moduli.first().is_some_and(|most| neutral.contains(most));
+    let multipliers = match first {
+        Some((end, _)) if error(end) > REACH * REPEATS.sqrt() => return None,
+        Some((_, slope)) => moduli(slope.clone()).filter(is_neutral),
+        None => None,
+    };
+    let is_driven = matches!(map.section.mark, SectionMark::Period(_));
+    if (multipliers.is_none() || is_driven) && !map.only_stable {
+        return None;
+    }
+    let (end, period) = map.follow_closely(run)?;
+    let (state, slope) = (Components::from_slice(run), DMatrix::zeros(0, 0));
+    let closed = Closed { map, state, slope, error: error(&end) / (LEAST_SIZE * REPEATS) };
+    let has_derivative = multipliers.is_some() || first.is_some();
+    let orbit = orbit(&closed, &end, period, multipliers.unwrap_or_default());
+    let is_sound = !orbit.multipliers.is_empty() || !has_derivative || orbit.grazes();
+    let repeats = is_sound
+        && orbit.margin.is_none_or(|margin| margin > 0.0)
+        && !is_equilibrium(&closed)
+        && !is_point(&closed, &orbit)
+        && !moves_one_way(&closed, &orbit);
+    repeats.then_some(orbit)
 }
 
 /// An orbit whose time derivative has no component above this one, non-dimensional, may be as small as its closing error.
@@ -178,8 +233,15 @@ fn moves_one_way(closed: &Closed, orbit: &Orbit) -> bool {
 /// Finds a fixed point of the return map by Newton's method. The derivative is reused while the
 /// iteration converges quickly, because the map has kinks near an orbit on which a ball barely
 /// sticks, and follows the returns by Broyden's update (C. G. Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6).
-fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>> {
+/// `known` is the return of the run with the derivative.
+fn shoot<'a>(
+    map: ReturnMap<'a>,
+    run: &[f64],
+    known: (Return, DMatrix<f64>),
+    closure: f64,
+) -> Option<Closed<'a>> {
     let first = map.section.coordinates(run);
+    let mut known = Some(known);
     let mut centre = first.clone();
     // 1 - J, and the latest step.
     let mut newton: Option<(DMatrix<f64>, DVector<f64>)> = None;
@@ -188,13 +250,9 @@ fn shoot<'a>(map: ReturnMap<'a>, run: &[f64], closure: f64) -> Option<Closed<'a>
     while followed < MOST_TURNS_FOLLOWED || last <= closure {
         followed += map.turns;
         let start = map.section.state(run, &centre);
-        let (end, slope) = match &newton {
-            // The derivative is needed at the first iterate whatever its residual.
-            None => {
-                let (end, slope) = map.follow_with_slope(&start)?;
-                (end, Some(slope))
-            }
-            Some(_) => (map.follow(&start)?, None),
+        let (end, slope) = match known.take() {
+            Some((end, slope)) => (end, Some(slope)),
+            None => (map.follow(&start)?, None),
         };
         let known_or_followed =
             |slope: Option<DMatrix<f64>>| slope.or_else(|| Some(map.follow_with_slope(&start)?.1));
@@ -249,7 +307,9 @@ fn in_fewest_turns(closed: Closed, closure: f64) -> Closed {
     let all = closed.map.turns;
     let once = (1..all).filter(|turns| all.is_multiple_of(*turns)).find_map(|turns| {
         let longest = closed.map.longest * turns as f64 / all as f64;
-        let fewer = shoot(ReturnMap { turns, longest, ..closed.map }, &closed.state, closure)?;
+        let map = ReturnMap { turns, longest, ..closed.map };
+        let first = map.follow_with_slope(&closed.state)?;
+        let fewer = shoot(map, &closed.state, first, closure)?;
         let distance = closed.map.section.difference(&fewer.state, &closed.state).amax();
         (distance <= SAME_ORBIT).then_some(fewer)
     });
@@ -336,6 +396,7 @@ fn orbit(closed: &Closed, end: &Return, period: Period, multipliers: Vec<f64>) -
         rests,
         margin: period.margin.is_finite().then_some(period.margin),
         multipliers,
+        attracts: false,
         neutral_directions: section.neutral_directions(view),
     }
 }

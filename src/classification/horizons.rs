@@ -21,6 +21,7 @@ pub(super) fn continues(extend: Extend, label: Label) -> bool {
         Label::Irregular => extend.labels.irregular,
         Label::Equilibrium
         | Label::LimitCycle
+        | Label::Periodic
         | Label::Creep
         | Label::QuasiPeriodic
         | Label::Failed => false,

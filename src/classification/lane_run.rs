@@ -4,12 +4,12 @@
 
 use std::sync::Arc;
 
-use super::cycle_watch::CycleWatch;
 use super::ending::Ending;
 use super::held_bodies::held_margin;
 use super::horizons::{Horizons, TailStatistics, continues};
 use super::lane_step::LaneStep;
 use super::lyapunov;
+use super::orbit::OrbitWatch;
 use super::outcome::Outcome;
 use super::run_recorder::RunRecorder;
 use super::settled::{RestKind, SettledWatch};
@@ -35,7 +35,7 @@ pub(super) struct LaneRun {
     extend: Option<Extend>,
     pub(super) stages: Stages,
     pub(super) horizons: Horizons,
-    pub(super) watch: CycleWatch,
+    pub(super) watch: Option<Box<OrbitWatch>>,
     pub(super) settled: SettledWatch,
     still: bool,
     /// The saved run before its end time had any effect, if the run may be continued.
@@ -78,10 +78,10 @@ impl LaneRun {
             Settings::new(simulation, stages.iter().map(limit).max().unwrap_or_default());
         let (state, lifted) = first.entered(None, state);
         let saved = SavedRun::start(&first.system, settings, &state)?;
-        let watch = CycleWatch::new(simulation.endings, &settings, &view);
+        let watch = OrbitWatch::new(simulation.endings, &settings, &view);
         let run = LaneRun {
             number,
-            watch: if stages.len() == 1 { watch } else { CycleWatch::None },
+            watch: watch.filter(|_| stages.len() == 1),
             stages: Stages::new(stages, lifted),
             view,
             units,
@@ -121,7 +121,7 @@ impl LaneRun {
         if self.stages.is_last() && self.rests(group, lane) {
             return (self.end_with(group, lane, Ending::Rest), None);
         }
-        group.set_reporting(lane, !matches!(self.watch, CycleWatch::None));
+        group.set_reporting(lane, self.watch.is_some());
         self.stages.watch(group, lane);
         self.schedule_inspection(group, lane);
         (NextAction::Stay, Some(self))
@@ -184,10 +184,11 @@ impl LaneRun {
             }
         }
         let may_close = (report.event | report.round | report.turned) & bit != 0;
-        if may_close || self.watch.sees_each_step() {
+        if may_close || self.sees_each_step() {
             let step = LaneStep { group: &*group, lane, view: &self.view };
-            if let Some(ending) = self.watch.closes(&self.settings, &step) {
-                return self.end_with(group, lane, ending);
+            let orbit = self.watch.as_mut().and_then(|watch| watch.closes(&self.settings, &step));
+            if let Some(orbit) = orbit {
+                return self.end_with(group, lane, Ending::Orbit(Box::new(orbit)));
             }
         }
         if time >= self.horizons.now.end {
@@ -217,7 +218,7 @@ impl LaneRun {
         self.stages.next(ended, lifted);
         self.view = view;
         if self.stages.is_last() {
-            self.watch = CycleWatch::new(self.endings, &self.settings, &self.view);
+            self.watch = OrbitWatch::new(self.endings, &self.settings, &self.view);
         }
         NextAction::Enter(Box::new(saved))
     }
@@ -225,7 +226,6 @@ impl LaneRun {
     /// Adds the latest step to the statistics that have begun.
     fn measure(&mut self, group: &dyn LaneGroup, lane: usize) {
         let step = LaneStep { group, lane, view: &self.view };
-        self.watch.take_in(&step);
         self.horizons.now.statistics.take_in(&step);
     }
 
@@ -247,6 +247,11 @@ impl LaneRun {
         self.horizons.now.statistics.separation.grow(time, size, grazed, progress);
     }
 
+    /// Returns whether the search for a closed orbit examines each step.
+    fn sees_each_step(&self) -> bool {
+        self.watch.as_ref().is_some_and(|watch| watch.sees_each_step())
+    }
+
     /// Returns whether all contacts stick and can never break loose again.
     fn rests(&self, group: &dyn LaneGroup, lane: usize) -> bool {
         let (phases, state) = (group.phases(lane), group.state(lane));
@@ -262,7 +267,7 @@ impl LaneRun {
             return;
         }
         let TailStatistics { window, separation, .. } = &self.horizons.now.statistics;
-        let mut attention = if self.watch.sees_each_step() { 0.0 } else { window.start };
+        let mut attention = if self.sees_each_step() { 0.0 } else { window.start };
         if !separation.has_begun() {
             attention = attention.min(separation.start);
         } else if self.is_perturbed(group.time(lane)) {
@@ -289,7 +294,8 @@ impl LaneRun {
             && forms().is_some_and(|forms| forms.rests(&group.state(lane)));
         let closes = || {
             let steps = group.effort(lane).total();
-            self.watch.closes_at_end(&self.settings, group.last_switches(lane), steps)
+            let watch = self.watch.as_ref()?;
+            watch.closes_at_end(&self.settings, group.last_switches(lane), steps)
         };
         let ending = if rests { Ending::Rest } else { closes().unwrap_or(Ending::EndTime) };
         let outcome = self.outcome(group, lane, ending);

@@ -106,28 +106,8 @@ impl<'a> LaneStep<'a> {
         output.unwrap_or_else(|| self.outputs_at([time])[0][number])
     }
 
-    /// Returns the time at which a function of the state passed through zero in the step, in either
-    /// direction; `None` if its signs at the two ends show no passage.
-    pub(super) fn passes_through_zero(&self, value: impl Fn(&[f64]) -> f64) -> Option<f64> {
-        let within = |after: f64| value(&self.group.state_within(self.lane, after));
-        self.passage(within, value(&self.end()))
-    }
-
-    fn passage(&self, within: impl Fn(f64) -> f64, end: f64) -> Option<f64> {
-        let start = within(0.0);
-        let falls = |value: f64| if start > 0.0 { value } else { -value };
-        let (from, to) = (falls(start), falls(end));
-        if !(from > 0.0 && to <= 0.0) {
-            return None;
-        }
-        let length = self.time() - self.began();
-        let at = |part: f64| falls(within(part * length));
-        let part = fall_through_zero(at, (0.0, from), (1.0, to), WIDTH);
-        Some(self.began() + part * length)
-    }
-
-    /// Returns the time at which a function that is `end` at the end of the step passed through a value in the step, like
-    /// [`LaneStep::passes_through_zero`].
+    /// Returns the time at which a function that is `end` at the end of the step passed through a value in the step, in either
+    /// direction; `None` if its values at the two ends show no passage.
     pub(super) fn passes_through(&self, marking: &Marking, [value, end]: [f64; 2]) -> Option<f64> {
         let series = marking.components().map(|place| (place, self.group.series(self.lane, place)));
         let series: SmallVec<[_; 2]> = series.collect();
@@ -138,7 +118,16 @@ impl<'a> LaneStep<'a> {
                 |place| of(place).map_or(0.0, |(_, series)| self.group.value(series, after));
             marking.of(value_of) - value
         };
-        self.passage(within, end - value)
+        let start = within(0.0);
+        let falls = |value: f64| if start > 0.0 { value } else { -value };
+        let (from, to) = (falls(start), falls(end - value));
+        if !(from > 0.0 && to <= 0.0) {
+            return None;
+        }
+        let length = self.time() - self.began();
+        let at = |part: f64| falls(within(part * length));
+        let part = fall_through_zero(at, (0.0, from), (1.0, to), WIDTH);
+        Some(self.began() + part * length)
     }
 
     /// Returns the current instant, after a switch at the end of the step.

@@ -10,6 +10,7 @@
 //! | `equilibrium` | `periodic_rest` | throughout a period of the forcing, all contacts stick, or some stick and the others stay open, and the motion of the other components repeats |
 //! | `equilibrium` | `settled` | not all contacts stick: an equilibrium is near, stable by its eigenvalues, and friction holds the contacts that stick |
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
+//! | `periodic` | `repeats` | the motion repeats within its accuracy and does not approach another one; without damping, its neighbours repeat as well |
 //! | `creep` | `periodic_creep` | in each of the latest periods of the forcing, contacts slip by the same small amount and stop or turn back |
 //! | `quasi_periodic` | `torus` | weighted averages of the returns to a section converge as on a torus with two frequencies |
 //! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent, from enough blocks, is positive |
@@ -24,19 +25,15 @@
 //! and `cycle`, `stages` and `outcome` are its results.
 //!
 //! The next files give the evidence: `rest_in_touch`, `settled` and `creep` for rest; `section`, `period`, `return_map`,
-//! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat, and `block_cycle` for the
-//! cycles of a single body; `lyapunov` for irregular motions. `horizons` has the end times of a run, and
-//! measures the last part before them.
+//! `closed_orbit`, `torus`, `passages`, `periodic_creep` and `orbit` for motions that repeat; `lyapunov` for irregular motions.
+//! `horizons` has the end times of a run, and measures the last part before them.
 //!
-//! `ending` names how a run ends. `cycle_watch` searches for the limit cycle of a run, `lane_run` examines the run after
-//! each step, and `run_outcome` makes the outcome. `gap_sample` and `run_recorder` record the motion, and `step_limit`
+//! `ending` names how a run ends. `lane_run` examines the run after each step, and `run_outcome` makes the outcome. `gap_sample` and `run_recorder` record the motion, and `step_limit`
 //! bounds the effort. Read `in_lockstep`, which simulates many runs, and `simulate` last.
 
-mod block_cycle;
 mod closed_orbit;
 mod creep;
 mod cycle;
-mod cycle_watch;
 mod derived_rest;
 mod ending;
 mod gap_sample;
@@ -72,7 +69,7 @@ pub const MODEL_VERSION: u32 = 29;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};
-pub use cycle_watch::{FoundEndings, found_endings};
+pub use ending::{FoundEndings, found_endings};
 pub use gap_sample::{GapSample, Touch};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use outcome::{ClosedOrbit, Evidence, Label, LyapunovExponent, Outcome, Rest, TouchingOutcome};

@@ -19,6 +19,7 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use super::closed_orbit::{Orbit, PassageState, Verdict, examine};
+use super::ending::Ending;
 use super::lane_step::LaneStep;
 use super::passages::{Passage, Passages};
 use super::periodic_creep::{Creep, creep};
@@ -26,7 +27,7 @@ use super::return_map::ReturnMap;
 use super::section::{RESOLVED, Section, SectionMark, marks};
 use super::step_limit::{MOST_LOOKS, MOST_STEPS_OF_A_LOOK};
 use super::system_view::SystemView;
-use crate::model::Components;
+use crate::model::{Components, Endings};
 use crate::motion::{Phase, Settings, Tolerance};
 
 /// The orbit of a run is examined at its end only if its end time is at least this many times the time of a return.
@@ -57,17 +58,23 @@ pub(super) struct OrbitWatch {
 }
 
 impl OrbitWatch {
-    /// Creates a watch for motions of a system computed with `settings`.
-    pub(super) fn new(settings: &Settings, view: Arc<SystemView>) -> Self {
+    /// Creates a watch for motions of a system computed with `settings`; `None` if no orbits are sought, or nothing marks any.
+    pub(super) fn new(
+        endings: Endings,
+        settings: &Settings,
+        view: &Arc<SystemView>,
+    ) -> Option<Box<Self>> {
         let Tolerance { relative, absolute } = settings.tolerance;
-        OrbitWatch {
-            marked: marks(&view).into_iter().map(|mark| (mark, Passages::default())).collect(),
+        let watch = || OrbitWatch {
+            marked: marks(view).into_iter().map(|mark| (mark, Passages::default())).collect(),
             with_stops: vec![(Passages::default(), 0); view.contacts.len()],
-            view,
+            view: Arc::clone(view),
             closure: 100.0 * (relative + absolute),
             unbroken: Passages::default(),
             looks: [(0, 0.0); 2],
-        }
+        };
+        let watch = (endings == Endings::All).then(watch);
+        watch.filter(|watch| view.revolves() || watch.sees_each_step()).map(Box::new)
     }
 
     /// Returns whether each step must be examined for a mark.
@@ -75,7 +82,7 @@ impl OrbitWatch {
         !self.marked.is_empty()
     }
 
-    /// Adds the latest step of a run. Returns the limit cycle that the run has been shown to be on.
+    /// Adds the latest step of a run. Returns the closed orbit that the run has been shown to be on.
     pub(super) fn closes(&mut self, settings: &Settings, step: &LaneStep) -> Option<Orbit> {
         if self.sees_each_step() {
             return self.passes_marks(settings, step);
@@ -204,7 +211,7 @@ impl OrbitWatch {
     }
 
     /// Returns how a run with a forcing creeps at its end.
-    pub(super) fn creep(&self, settings: &Settings) -> Option<Creep> {
+    fn creep(&self, settings: &Settings) -> Option<Creep> {
         let mut marked = self.marked.iter();
         let (_, passages) = marked.find(|(mark, _)| matches!(mark, SectionMark::Period(_)))?;
         if passages.unstable_orbit().is_some() {
@@ -227,16 +234,28 @@ impl OrbitWatch {
         std::iter::once(&self.unbroken).chain(marked).chain(others)
     }
 
-    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most as many
-    /// steps as the run has taken. Returns the limit cycle that the run has been shown to approach.
-    pub(super) fn look_at_end(
+    /// Evaluates a run that ends otherwise undecided after some steps; `last_switches` are the times at which its contacts
+    /// last changed their phases. Returns the ending if the run approaches or repeats a closed orbit, or creeps.
+    pub(super) fn closes_at_end(
         &self,
         settings: &Settings,
         last_switches: &[f64],
         steps: u64,
-    ) -> Option<Orbit> {
-        let closing =
-            self.at_end().filter_map(|passages| Some((passages, passages.closes_at_end()?)));
+    ) -> Option<Ending> {
+        let orbit = self.look_at_end(settings, last_switches, steps);
+        // What creeps a little repeats nearly.
+        let may_creep = orbit.as_ref().is_none_or(|orbit| !orbit.attracts);
+        let creep = may_creep.then(|| self.creep(settings)).flatten();
+        let creep = creep.map(|creep| Ending::Creep(Box::new(creep)));
+        creep.or_else(|| Some(Ending::Orbit(Box::new(orbit?))))
+    }
+
+    /// Examines the orbit of a run that ends otherwise undecided, from farther away than during the run, in at most as many
+    /// steps as the run has taken. Returns the closed orbit that the run has been shown to approach or to repeat.
+    fn look_at_end(&self, settings: &Settings, last_switches: &[f64], steps: u64) -> Option<Orbit> {
+        let closing = self
+            .at_end()
+            .filter_map(|passages| Some((passages, passages.closes_at_end(0.01 * self.closure)?)));
         let best = closing.min_by(|(_, (_, left)), (_, (_, right))| left.total_cmp(right));
         let (passages, (turns, _)) = best?;
         let (time, earlier) = (passages.before(0)?.time, passages.before(turns)?.time);
@@ -245,7 +264,7 @@ impl OrbitWatch {
         }
         let with = (&*self.view, self.closure);
         match examine_orbit(passages, with, settings, (turns, last_switches), (steps, true)) {
-            Verdict::Stable(orbit) => Some(orbit),
+            Verdict::Stable(orbit) | Verdict::Repeats(orbit) => Some(orbit),
             Verdict::Unstable(_) | Verdict::Open => None,
         }
     }
@@ -281,7 +300,7 @@ fn may_look((looks, wait_until): &mut (u32, f64), passages: &Passages) -> bool {
     true
 }
 
-/// Examines the orbit that appears to close after this number of turns. Returns it if it is stable.
+/// Examines the orbit that appears to close after this number of turns. Returns it if the run approaches or repeats it.
 fn examine_now(
     passages: &mut Passages,
     with: (&SystemView, f64),
@@ -292,7 +311,7 @@ fn examine_now(
     let last_switches = step.group.last_switches(step.lane);
     let limits = (MOST_STEPS_OF_A_LOOK, false);
     match examine_orbit(passages, with, settings, (turns, last_switches), limits) {
-        Verdict::Stable(orbit) => return Some(orbit),
+        Verdict::Stable(orbit) | Verdict::Repeats(orbit) => return Some(orbit),
         Verdict::Unstable(orbit) => passages.unstable = Some((turns, Box::new(orbit))),
         Verdict::Open => {}
     }

@@ -14,6 +14,8 @@ pub enum Label {
     Equilibrium,
     /// A stable periodic motion, closed modulo 2π of the running balls' angles.
     LimitCycle,
+    /// The motion repeats, but was not shown to attract its neighbours: without damping, they repeat as well.
+    Periodic,
     /// Contacts slip a little in every period of the forcing.
     Creep,
     /// The motion fills a torus: it has two frequencies without a common period.
@@ -28,9 +30,10 @@ pub enum Label {
 
 impl Label {
     /// All labels, in the order of the tables.
-    pub const ALL: [Label; 7] = [
+    pub const ALL: [Label; 8] = [
         Label::Equilibrium,
         Label::LimitCycle,
+        Label::Periodic,
         Label::Creep,
         Label::QuasiPeriodic,
         Label::Irregular,
@@ -48,6 +51,7 @@ impl Label {
         match self {
             Label::Equilibrium => "equilibrium",
             Label::LimitCycle => "limit_cycle",
+            Label::Periodic => "periodic",
             Label::Creep => "creep",
             Label::QuasiPeriodic => "quasi_periodic",
             Label::Irregular => "irregular",
@@ -67,7 +71,7 @@ pub struct Rest {
     pub friction_margin: Option<f64>,
 }
 
-/// A stable periodic motion.
+/// A periodic motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Default)]
 pub struct ClosedOrbit {
     /// The period, s.
@@ -93,6 +97,8 @@ pub enum Evidence {
     PeriodicRest(Rest),
     /// The orbit closes, is stable, and resting balls keep a margin.
     ClosedOrbit(ClosedOrbit),
+    /// The motion repeats within its accuracy, and disturbances do not grow.
+    Repeats(ClosedOrbit),
     /// The displacement in the latest periods of the forcing is small and the same.
     PeriodicCreep {
         /// The period of the forcing, s.
@@ -117,7 +123,7 @@ pub enum Evidence {
 
 impl Evidence {
     /// The names of all evidence in tables, in a fixed order.
-    pub const NAMES: [&'static str; 20] = [
+    pub const NAMES: [&'static str; 21] = [
         "rest_certified",
         "creep",
         "settled",
@@ -138,6 +144,7 @@ impl Evidence {
         "rest_contracting",
         "indefinite_mass",
         "periodic_creep",
+        "repeats",
     ];
 
     /// The evidence's name in tables.
@@ -149,6 +156,7 @@ impl Evidence {
             Evidence::Settled(_) => "settled",
             Evidence::PeriodicRest(_) => "periodic_rest",
             Evidence::ClosedOrbit(_) => "closed_orbit",
+            Evidence::Repeats(_) => "repeats",
             Evidence::PeriodicCreep { .. } => "periodic_creep",
             Evidence::UnstableOrbit(_) => "unstable_orbit",
             Evidence::Torus => "torus",
@@ -172,6 +180,7 @@ impl Evidence {
     pub fn label(&self) -> Label {
         match self {
             Evidence::ClosedOrbit(_) => Label::LimitCycle,
+            Evidence::Repeats(_) => Label::Periodic,
             Evidence::PeriodicCreep { .. } => Label::Creep,
             Evidence::Torus => Label::QuasiPeriodic,
             Evidence::Lyapunov => Label::Irregular,
@@ -196,7 +205,7 @@ impl Evidence {
     /// The cycle that a run is on, or the unstable one near it.
     pub fn cycle(&self) -> Option<&Cycle> {
         match self {
-            Evidence::ClosedOrbit(orbit) => orbit.cycle.as_deref(),
+            Evidence::ClosedOrbit(orbit) | Evidence::Repeats(orbit) => orbit.cycle.as_deref(),
             Evidence::UnstableOrbit(cycle) => Some(cycle),
             _ => None,
         }
@@ -205,7 +214,7 @@ impl Evidence {
     /// The period of the cycle, or of the forcing of a run that creeps, s.
     pub fn period_s(&self) -> Option<f64> {
         match self {
-            Evidence::ClosedOrbit(orbit) => Some(orbit.period_s),
+            Evidence::ClosedOrbit(orbit) | Evidence::Repeats(orbit) => Some(orbit.period_s),
             Evidence::PeriodicCreep { period_s } => Some(*period_s),
             _ => None,
         }
@@ -214,7 +223,7 @@ impl Evidence {
     /// The smallest friction margin of a contact at rest: at the rest point, or along the cycle.
     pub fn friction_margin(&self) -> Option<f64> {
         match self {
-            Evidence::ClosedOrbit(orbit) => orbit.friction_margin,
+            Evidence::ClosedOrbit(orbit) | Evidence::Repeats(orbit) => orbit.friction_margin,
             _ => self.rest()?.friction_margin,
         }
     }

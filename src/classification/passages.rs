@@ -164,9 +164,10 @@ impl Passages {
     /// Returns the number of turns after which the orbit nearly closes at the end of a run, and the distance times this number.
     /// The function minimises this product: more turns must close better, because their examination costs more. For a contact
     /// that may stop, it takes the fewest turns, because each turn of such a contact takes more steps.
-    pub(super) fn closes_at_end(&self) -> Option<(usize, f64)> {
+    /// Differences of at most `closed` are equal.
+    pub(super) fn closes_at_end(&self, closed: f64) -> Option<(usize, f64)> {
         let passage = self.latest.back()?;
-        let rank = |turns: &usize| passage.differences[*turns] * *turns as f64;
+        let rank = |turns: &usize| passage.differences[*turns].max(closed) * *turns as f64;
         let has_phases = |turns: &usize| {
             self.before(*turns).is_some_and(|earlier| earlier.phases == passage.phases)
         };

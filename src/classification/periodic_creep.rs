@@ -16,7 +16,8 @@ use super::return_map::ReturnMap;
 
 /// The number of periods in which the displacement must stay the same.
 pub(super) const PERIODS: usize = 16;
-/// Largest displacement in a period, non-dimensional.
+/// Least and largest displacement in a period, non-dimensional. Less is rounding.
+const LEAST: f64 = 1e-11;
 const SLIGHT: f64 = 1e-2;
 /// Largest change of the displacement, over the displacement.
 const STEADY: f64 = 0.1;
@@ -45,7 +46,7 @@ pub(super) fn creep(map: ReturnMap, passed: &[PassageState]) -> Option<Creep> {
     let latest = moved.first()?;
     let size = latest.amax();
     let is_steady = moved.iter().all(|step| (step - latest).amax() <= STEADY * size);
-    if size == 0.0 || size > SLIGHT || !is_steady {
+    if !(LEAST..=SLIGHT).contains(&size) || !is_steady {
         return None;
     }
     let start = passed.first()?.1;

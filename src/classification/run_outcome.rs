@@ -3,7 +3,6 @@
 use super::closed_orbit::Orbit;
 use super::creep::{creeps, may_creep};
 use super::cycle::Cycle;
-use super::cycle_watch::CycleWatch;
 use super::ending::Ending;
 use super::held_bodies::{friction_margin, held_margin};
 use super::horizons::TailStatistics;
@@ -89,26 +88,21 @@ impl LaneRun {
                     ..self.at_rest(&step, base, |_| settled)
                 }
             }
-            Ending::Orbit(orbit) if orbit.rests => {
+            Ending::Orbit(orbit) if orbit.rests && orbit.attracts => {
                 self.at_rest(&step, base, |_| Evidence::PeriodicRest(rest(stopped(), orbit.margin)))
             }
             Ending::Orbit(orbit) => Outcome {
-                evidence: Evidence::ClosedOrbit(ClosedOrbit {
-                    period_s: orbit.period / natural,
-                    friction_margin: orbit.margin,
-                    cycle: Some(self.cycle(&orbit, amplitude_m)),
-                }),
+                evidence: {
+                    let of = if orbit.attracts { Evidence::ClosedOrbit } else { Evidence::Repeats };
+                    of(ClosedOrbit {
+                        period_s: orbit.period / natural,
+                        friction_margin: orbit.margin,
+                        cycle: Some(self.cycle(&orbit, amplitude_m)),
+                    })
+                },
                 balls_running: self.view.revolves().then(|| running(&orbit)),
                 amplitude_m: self.amplitude_m(orbit.amplitude),
                 mean_speed: self.view.moves_on().then(|| self.speeds(&orbit.speed)),
-                ..base
-            },
-            Ending::BreakAways { period } => Outcome {
-                evidence: Evidence::ClosedOrbit(ClosedOrbit {
-                    period_s: period / natural,
-                    friction_margin: None,
-                    cycle: self.break_away_cycle(amplitude_m),
-                }),
                 ..base
             },
             // Without a rest certificate, rest begins when the contacts are slow. The contacts are on the edge of the
@@ -142,12 +136,6 @@ impl LaneRun {
             Ending::Settled(place) => self.constant_outputs(step.phases(), place),
             Ending::Orbit(orbit) => orbit.outputs.clone(),
             Ending::Creep(creep) => creep.outputs.clone(),
-            Ending::BreakAways { .. } => match &self.watch {
-                CycleWatch::BreakAways(watch) => {
-                    watch.outputs().map_or_else(Vec::new, |watch| watch.measured(true))
-                }
-                CycleWatch::Orbits(_) | CycleWatch::None => Vec::new(),
-            },
             Ending::EndTime => self.horizons.now.statistics.outputs.measured(false),
             Ending::Failure(_) => Vec::new(),
         };
@@ -237,16 +225,13 @@ impl LaneRun {
         let TailStatistics { window, separation, .. } = &self.horizons.now.statistics;
         let lyapunov = separation.exponent().map(|exponent| in_seconds(exponent, natural));
         let base = Outcome { lyapunov, ..base };
-        let orbits = match &self.watch {
-            CycleWatch::Orbits(watch) => Some(watch),
-            CycleWatch::BreakAways(_) | CycleWatch::None => None,
-        };
+        let watch = self.watch.as_ref();
         let base = Outcome {
-            evidence: if let Some(orbit) = orbits.and_then(|watch| watch.unstable_orbit()) {
+            evidence: if let Some(orbit) = watch.and_then(|watch| watch.unstable_orbit()) {
                 Evidence::UnstableOrbit(self.cycle(orbit, None))
             } else if separation.is_irregular() {
                 Evidence::Lyapunov
-            } else if orbits.is_some_and(|watch| watch.fills_a_torus()) {
+            } else if watch.is_some_and(|watch| watch.fills_a_torus()) {
                 Evidence::Torus
             } else {
                 Evidence::EndTime
@@ -318,13 +303,6 @@ impl LaneRun {
             multipliers: orbit.multipliers.clone(),
             neutral_directions: orbit.neutral_directions as u8,
         })
-    }
-
-    fn break_away_cycle(&self, amplitude_m: Option<f64>) -> Option<Box<Cycle>> {
-        let CycleWatch::BreakAways(watch) = &self.watch else { return None };
-        let cycle = watch.cycle(&self.units)?;
-        let peak_amplitude_m = amplitude_m.unwrap_or(cycle.peak_amplitude_m);
-        Some(Box::new(Cycle { peak_amplitude_m, ..cycle }))
     }
 }
 

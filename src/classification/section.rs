@@ -384,8 +384,12 @@ fn maxima(view: &SystemView) -> Vec<SectionMark> {
     view.contacts.iter().enumerate().filter_map(mark).collect()
 }
 
-/// Returns the speed at which a section lies. A section where a contact stops would lie on a switch. If several contacts of one body
-/// stop at different speeds, such as a block on the ground and on a belt, the section lies halfway between two of these speeds.
+/// The speed, non-dimensional, at which the section of a body on fixed ground lies.
+const SLIGHT: f64 = 1e-4;
+
+/// Returns the speed at which a section lies. A section where a contact stops would lie on a switch, where the derivative of the
+/// return map depends on the side. If several contacts of one body stop at different speeds, such as a block on the ground and on a
+/// belt, the section lies halfway between two of these speeds; if its contacts stop at rest, it lies at a slight speed.
 fn smooth_speed(view: &SystemView, component: usize, speed: f64) -> f64 {
     let graph = view.evaluator.graph();
     let mut state = vec![0.0; view.dimension()];
@@ -396,5 +400,10 @@ fn smooth_speed(view: &SystemView, component: usize, speed: f64) -> f64 {
         .filter(|contact| graph.shifted_component(*contact) == Some(component));
     let stops = shifted.map(|contact| at_zero[contact] / (at_zero[contact] - at_one[contact]));
     let nearest = stops.filter(|stop| *stop != 0.0).min_by(|a, b| a.abs().total_cmp(&b.abs()));
-    nearest.map_or(speed, |stop| 0.5 * stop)
+    let rests = speed == 0.0
+        && (0..view.contacts.len()).any(|contact| {
+            graph.speed_component(contact) == Some(component)
+                && view.system().friction(contact).can_stick()
+        });
+    nearest.map_or(if rests { SLIGHT } else { speed }, |stop| 0.5 * stop)
 }

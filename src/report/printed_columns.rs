@@ -143,6 +143,7 @@ fn add_other_endings(table: &mut PrintedTable<'_, PointFacts>) {
         let header = match label {
             Label::Equilibrium => continue,
             Label::LimitCycle => ["limit", "cycle"],
+            Label::Periodic => ["peri-", "odic"],
             Label::Creep => ["", "creep"],
             Label::QuasiPeriodic => ["quasi-", "periodic"],
             Label::Irregular => ["irreg-", "ular"],

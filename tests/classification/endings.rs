@@ -33,6 +33,7 @@ fn compare([all, rest]: [Outcome; 2]) -> Label {
             assert_eq!(format!("{all:?}"), format!("{rest:?}"));
         }
         Label::LimitCycle
+        | Label::Periodic
         | Label::Creep
         | Label::QuasiPeriodic
         | Label::Irregular
@@ -71,6 +72,6 @@ fn balls_come_to_rest_as_with_all_endings() {
             }
         }
     }
-    let [equilibria, cycles, _, _, irregular, undecided, _] = seen;
+    let [equilibria, cycles, _, _, _, irregular, undecided, _] = seen;
     assert!(equilibria > 20 && cycles > 5 && irregular + undecided > 5, "{seen:?}");
 }

@@ -10,8 +10,16 @@ use super::{EQUILIBRIA, STUDY_FILE, SYSTEM_FILES};
 use crate::cli::support::table;
 
 const RESULTS: &str = include_str!("../../docs/results.md");
-const LABELS: [&str; 7] =
-    ["equilibrium", "limit_cycle", "creep", "quasi_periodic", "irregular", "undecided", "failed"];
+const LABELS: [&str; 8] = [
+    "equilibrium",
+    "limit_cycle",
+    "periodic",
+    "creep",
+    "quasi_periodic",
+    "irregular",
+    "undecided",
+    "failed",
+];
 
 /// Returns whether a part of a name is the number of a ball.
 fn is_number(part: &str) -> bool {

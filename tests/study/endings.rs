@@ -25,7 +25,7 @@ fn all_endings_are_detected_by_default() {
 
 #[test]
 fn endings_that_are_not_detected_cannot_be_expected() {
-    for label in ["limit_cycle", "creep", "quasi_periodic", "irregular"] {
+    for label in ["limit_cycle", "periodic", "creep", "quasi_periodic", "irregular"] {
         let expect = format!("expect: [{{{label}_fraction: [0, 0.1]}}]\n");
         let error = parse(&with_endings("endings: rest", &expect)).unwrap_err();
         let key = format!("expect[0].{label}_fraction");

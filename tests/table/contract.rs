@@ -114,10 +114,10 @@ fn a_parameter_that_is_swept_and_drawn() {
 fn points(scratch: &Scratch) {
     let expected = listed(
         "point_id c -, speed_rad_s n rad/s, normal_force w -, runs c -, equilibrium_runs c -, \
-         limit_cycle_runs c -, creep_runs c -, quasi_periodic_runs c -, irregular_runs c -, \
+         limit_cycle_runs c -, periodic_runs c -, creep_runs c -, quasi_periodic_runs c -, irregular_runs c -, \
          undecided_runs c -, failed_runs c -, equilibrium_fraction n 1, ci_low n 1, ci_high n 1, \
          ci_method w -, equilibrium_low n 1, equilibrium_high n 1, limit_cycle_low n 1, \
-         limit_cycle_high n 1, creep_low n 1, creep_high n 1, quasi_periodic_low n 1, \
+         limit_cycle_high n 1, periodic_low n 1, periodic_high n 1, creep_low n 1, creep_high n 1, quasi_periodic_low n 1, \
          quasi_periodic_high n 1, irregular_low n 1, irregular_high n 1, undecided_low n 1, \
          undecided_high n 1, failed_low n 1, failed_high n 1, time_to_rest_p25_s n s, \
          time_to_rest_p50_s n s, time_to_rest_p75_s n s, time_to_rest_p95_s n s, \

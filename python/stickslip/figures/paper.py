@@ -38,6 +38,7 @@ MARKS = ("o", "^", "s", "D", "v", "P", "X", "*")
 LABELS: Mapping[str, tuple[str, str, Any]] = {
     "equilibrium": (SERIES[0], "o", DASHES[0]),
     "limit_cycle": (SERIES[1], "^", DASHES[1]),
+    "periodic": (SERIES[5], "P", DASHES[3]),
     "creep": (SERIES[4], "*", DASHES[2]),
     "quasi_periodic": (SERIES[2], "v", DASHES[1]),
     "irregular": (SERIES[3], "s", DASHES[2]),

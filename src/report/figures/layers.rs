@@ -26,6 +26,7 @@ pub fn label_symbol(label: Label) -> Symbol {
     match label {
         Label::Equilibrium => Symbol::Disc,
         Label::LimitCycle => Symbol::Triangle,
+        Label::Periodic => Symbol::Dot,
         Label::Creep => Symbol::Star,
         Label::QuasiPeriodic => Symbol::Circle,
         Label::Irregular => Symbol::Square,

@@ -199,6 +199,8 @@ pub struct ExpectationFile {
     pub equilibrium_fraction: Option<Range>,
     /// Range of the fraction of runs that end in a limit cycle, `[low, high]` within 0 and 1.
     pub limit_cycle_fraction: Option<Range>,
+    /// Range of the fraction of runs that repeat without an attraction, as without damping, `[low, high]` within 0 and 1.
+    pub periodic_fraction: Option<Range>,
     /// Range of the fraction of runs whose contacts creep under a periodic force, `[low, high]` within 0 and 1.
     pub creep_fraction: Option<Range>,
     /// Range of the fraction of runs that move quasi-periodically, `[low, high]` within 0 and 1.

@@ -75,6 +75,7 @@ fn fractions(
     for (label, range) in [
         ("equilibrium", file.equilibrium_fraction),
         ("limit_cycle", file.limit_cycle_fraction),
+        ("periodic", file.periodic_fraction),
         ("creep", file.creep_fraction),
         ("quasi_periodic", file.quasi_periodic_fraction),
         ("irregular", file.irregular_fraction),
@@ -84,7 +85,7 @@ fn fractions(
         let Some(range) = range else { continue };
         let path = path.key(&format!("{label}_fraction"));
         let only_rest = plan.simulation().endings == Endings::Rest;
-        if only_rest && ["limit_cycle", "creep", "quasi_periodic", "irregular"].contains(&label) {
+        if only_rest && !["equilibrium", "undecided", "failed"].contains(&label) {
             let allowed = "simulation: {endings: all}, or no expectation of this label";
             let found = "a study with `endings: rest`";
             return Err(path.wrong_key("the study does not detect this label", found, allowed));
@@ -92,7 +93,7 @@ fn fractions(
         fractions.push((label, range_of_fractions(&path, range)?));
     }
     if fractions.is_empty() && file.audit_flip_rate.is_none() {
-        let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, creep_fraction, \
+        let allowed = "at least one of equilibrium_fraction, limit_cycle_fraction, periodic_fraction, creep_fraction, \
                        quasi_periodic_fraction, irregular_fraction, undecided_fraction, failed_fraction, audit_flip_rate";
         return Err(path.wrong_value("nothing is expected", "no range", allowed));
     }
