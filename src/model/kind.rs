@@ -165,6 +165,12 @@ pub trait OwnKind: Sync {
         (self.system(model), false)
     }
 
+    /// Returns the time, s, before the end of a run from which on the equations no longer depend on it, and the system from then on,
+    /// without the time in its state; `None` if there is none, and for a system whose run has other stages.
+    fn lasting_system(&self, _model: &OwnModel, _end_s: f64) -> Option<(f64, Arc<dyn System>)> {
+        None
+    }
+
     /// Returns a start state in the components of the system; `start` has one value for each coordinate.
     fn start_state(&self, model: &OwnModel, start: &[f64]) -> Components;
 }

@@ -70,7 +70,20 @@ impl Model {
                 starts_with_time: false,
                 jump: [0.0; 2],
             };
-            return Some(vec![only]);
+            let later = match self {
+                Model::Own(model) => model.own_kind.lasting_system(model, end_time_s),
+                Model::BallBalancer(_) => None,
+            };
+            let Some((begins_s, system)) = later else { return Some(vec![only]) };
+            let last = Stage { begins_s, continues: true, system, ..only.clone() };
+            let first = Stage {
+                ends_s: begins_s,
+                is_driven: true,
+                time: Some(0.0),
+                starts_with_time: true,
+                ..only
+            };
+            return Some(vec![first, last]);
         }
         let ends = begins.iter().copied().skip(1).chain([end_time_s]);
         let times = begins.iter().copied().zip(ends).map(|(begin, end)| [begin, end]);

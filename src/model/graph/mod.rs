@@ -6,13 +6,14 @@
 //! Read `node` first: the operations of a graph. A [`Recorder`] collects nodes, and an [`Expression`] adds one with
 //! each operator and has derivatives. `quantities` gives a system its inputs, its components of the state and its
 //! unknowns. `equations` lists what a system returns, `part` evaluates some of its results alone, and `recorded` makes the
-//! [`Graph`]. `degree` and `find_translations` examine the graph, and `per_structure` keeps what is computed once for all
+//! [`Graph`]. `degree`, `lasting` and `find_translations` examine the graph, and `per_structure` keeps what is computed once for all
 //! systems with equal equations.
 
 mod degree;
 mod equations;
 mod expression;
 mod find_translations;
+mod lasting;
 mod node;
 mod part;
 mod per_structure;

@@ -160,6 +160,7 @@ impl ExaminedSystem {
         }
         let coordinates = [instance.rates(&integrals, numeric)?.without_constants(), moving];
         let mut system = WrittenSystem {
+            lasting: None,
             has_one_solution: false,
             measured: OnceLock::new(),
             number,

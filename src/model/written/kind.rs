@@ -367,6 +367,14 @@ impl OwnKind for WrittenKind {
         (Arc::new(system), has_clock)
     }
 
+    fn lasting_system(&self, model: &OwnModel, end_s: f64) -> Option<(f64, Arc<dyn System>)> {
+        let examined = self.examined(model).ok()?;
+        let system = &examined.system;
+        let second = system.scales.unit([0, 0, WHOLE]) * system.units.time;
+        let (time, system) = system.lasting(end_s / second)?;
+        Some((time * second, Arc::new(system)))
+    }
+
     fn system(&self, model: &OwnModel) -> Arc<dyn System> {
         match self.examined(model) {
             Ok(examined) => Arc::clone(&examined.system) as Arc<dyn System>,

@@ -13,10 +13,13 @@ use super::numeric::{NamedValues, Scalar, Scales};
 use super::state_units::StateUnits;
 use super::velocities::{Rates, SpeedOf};
 use crate::model::{
-    Components, ContactMode, Expression, Friction, ImpactLaw, Mechanism, MechanismContact,
+    Components, ContactMode, Expression, Friction, Graph, ImpactLaw, Mechanism, MechanismContact,
     MechanismNormal, Number, Recorder, StageMotion, Structure, System, SystemEquations,
     add_mechanism_inputs, stiff_rate,
 };
+
+/// The end of a run is parted by powers of the square root of 2 up to this one, to find the time from which on equations last.
+const MOST_PARTS: i32 = 60;
 
 /// A system of a file with values of its parameters, without dimensions.
 #[derive(Clone, Debug)]
@@ -39,6 +42,8 @@ pub(super) struct WrittenSystem {
     pub coordinates: [Rates<f64>; 2],
     /// The period after which the equations repeat, if they depend on the time.
     pub period: Option<f64>,
+    /// The time from which on the equations no longer depend on it, in a stage that begins then.
+    pub lasting: Option<f64>,
     /// How the part that turns and the given motions move in a stage.
     pub stage: GivenTerms<f64>,
     /// The highest frequency, and the largest rate of damping, of motions without friction.
@@ -92,7 +97,7 @@ impl WrittenSystem {
                 [phase * unit, rate]
             }
             (Some(time), None) => [time, one],
-            (None, _) => [zero; 2],
+            (None, _) => [self.lasting.map_or(zero, |_| recorder.parameter("lasting")), zero],
         };
         let time = time.in_unit(self.units.time);
         let stage = self.stage.map(|_| recorder.parameter("stage"));
@@ -239,7 +244,7 @@ impl WrittenSystem {
 impl WrittenSystem {
     /// Returns whether the last component of a state is the time.
     pub fn has_clock(&self) -> bool {
-        self.instance.definition.uses_time || self.stage.given_moves()
+        self.lasting.is_none() && (self.instance.definition.uses_time || self.stage.given_moves())
     }
 
     /// Returns the system in a stage of its run.
@@ -289,6 +294,29 @@ impl WrittenSystem {
         system
     }
 
+    /// Returns the time before `end`, non-dimensional, from which on the equations no longer depend on it, and the system from then
+    /// on; `None` for a system with a period, or with motions that tables give.
+    pub fn lasting(&self, end: f64) -> Option<(f64, Self)> {
+        let definition = self.instance.definition;
+        let may_last = definition.uses_time
+            && self.period.is_none()
+            && definition.motions.is_empty()
+            && self.stage.turned.is_empty();
+        if !may_last {
+            return None;
+        }
+        let graph = Graph::of(self);
+        let inputs = self.inputs(&vec![ContactMode::Apart; graph.contacts.len()]);
+        let clock = 2 * self.instance.coordinates.len();
+        let times = (1..=MOST_PARTS).map(|part| end * libm::exp2(-0.5 * f64::from(part)));
+        let times: Vec<f64> = times.collect();
+        let count = times.partition_point(|time| graph.lasts_from(clock, *time, &inputs));
+        let time = *times.get(count.checked_sub(1)?)?;
+        let mut system = self.with_stage(self.stage.clone(), self.rates, None);
+        system.lasting = Some(time);
+        Some((time, system))
+    }
+
     /// Returns the position that a contact moves.
     pub fn position(&self, contact: usize) -> usize {
         match self.integrals[contact] {
@@ -318,6 +346,7 @@ impl System for WrittenSystem {
     fn inputs(&self, modes: &[ContactMode]) -> Vec<f64> {
         let mut inputs = self.values.clone();
         inputs.extend(self.period.iter().flat_map(|period| [period / TAU, TAU / period]));
+        inputs.extend(self.lasting);
         inputs.extend(self.stage.all());
         if self.instance.definition.uses_accelerations {
             inputs.extend(self.instance.coordinates.iter().map(|_| 0.0));
@@ -335,7 +364,8 @@ impl System for WrittenSystem {
         let counts = self.instance.bodies.counts.iter().map(|(_, count)| *count as usize);
         let units = self.scales.0.map(|exponent| exponent.cast_unsigned() as usize);
         let units = units.into_iter().chain(self.units.all().map(|unit| unit.to_bits() as usize));
-        let form = [self.stage.turned.len(), usize::from(self.period.is_some())].into_iter();
+        let form = [self.period.is_some(), self.lasting.is_some()].map(usize::from).into_iter();
+        let form = form.chain([self.stage.turned.len()]);
         let form = form.chain(self.stage.given.iter().map(Vec::len));
         let force_units = self.force_units.iter().map(|unit| unit.to_bits() as usize);
         let zeros = self.values.iter().map(|value| usize::from(*value == 0.0));
