@@ -38,6 +38,8 @@ pub(crate) struct Impact {
     pub(crate) hits: SmallVec<[Hit; 2]>,
     /// The contacts that were apart and have hit.
     pub(crate) landed: SmallVec<[usize; 2]>,
+    /// The contacts that may open and do not slide afterwards.
+    pub(super) stopped: SmallVec<[usize; 2]>,
     /// The contacts that the impulses lift off their support, which the model does not follow.
     pub(super) lifted: usize,
 }
@@ -135,7 +137,7 @@ pub(super) fn impact<T: Solved>(
         answers,
     };
     let arms: SmallVec<[f64; 8]> = laws.iter().map(|(.., (_, arm))| *arm).collect();
-    let Impulses { impulses, after } = passive(&meeting, &arms)?;
+    let Impulses { impulses, after, stick } = passive(&meeting, &arms)?;
 
     let mut pressed: Components = smallvec![0.0; contacts];
     for (place, (impulse, response)) in impulses.iter().zip(&responses).enumerate() {
@@ -177,8 +179,13 @@ pub(super) fn impact<T: Solved>(
             _ => {}
         }
     }
+    let stopped = touching.iter().zip(stick).filter_map(|(place, sticks)| match *place {
+        ImpactPlace::Opening(site) if sticks => Some(graph.openings[site].contact),
+        _ => None,
+    });
+    let stopped = stopped.collect();
     let lifted = pressed.iter().filter(|force| **force < 0.0).count();
-    Ok(Impact { together, hits, landed, lifted })
+    Ok(Impact { together, hits, landed, stopped, lifted })
 }
 
 /// Returns the impulses of both laws or, where these would add energy, those that conserve it. There are none unless
@@ -190,7 +197,8 @@ fn passive<T: Elementary>(
     let ImpactEquations { laws, before, tolerance, .. } = meeting;
     if before.iter().step_by(2).all(|opening| opening.value() >= -tolerance) {
         let impulses = smallvec![T::constant(0.0); before.len()];
-        return Ok(Impulses { impulses, after: before.clone() });
+        let stick = laws.iter().map(|_| false).collect();
+        return Ok(Impulses { impulses, after: before.clone(), stick });
     }
     let sum = |left: &Pairs<T>, factor: T, right: &Pairs<T>| -> Pairs<T> {
         left.iter().zip(right).map(|(left, right)| *left + factor * *right).collect()
@@ -226,5 +234,11 @@ fn passive<T: Elementary>(
     Ok(Impulses {
         impulses: sum(&inelastic.impulses, share, &impulses),
         after: sum(&inelastic.after, share, &after),
+        stick: newton
+            .stick
+            .iter()
+            .zip(&inelastic.stick)
+            .map(|(left, right)| *left && *right)
+            .collect(),
     })
 }

@@ -75,6 +75,8 @@ pub(super) struct ImpactEquations<T> {
 pub(super) struct Impulses<T> {
     pub(super) impulses: Pairs<T>,
     pub(super) after: Pairs<T>,
+    /// Whether the bodies of each gap do not slide on each other after them, but for what rounding leaves.
+    pub(super) stick: SmallVec<[bool; 8]>,
 }
 
 impl<T: Elementary> ImpactEquations<T> {
@@ -106,7 +108,11 @@ impl<T: Elementary> ImpactEquations<T> {
             elimination.eliminate(&self.laws, gap, *way);
         }
         let impulses = elimination.impulses(|_, _| true).ok_or(Failure::NotFinite)?;
-        Ok(Impulses { after: self.after(&impulses), impulses })
+        let sticks = |(way, law): (&ImpactMode, &GapLaw)| {
+            matches!(way, ImpactMode::Sticks) && law.tangential_restitution == 0.0
+        };
+        let stick = ways.iter().zip(&self.laws).map(sticks).collect();
+        Ok(Impulses { after: self.after(&impulses), impulses, stick })
     }
 }
 

@@ -161,7 +161,9 @@ impl<'a> TouchingSystem<'a> {
         self.join(state, phases, None);
         let mut speeds = self.evaluator.speeds(state);
         for (opening, [_, approach, sliding]) in self.openings.iter().zip(&at) {
-            if speeds[opening.contact].abs() <= STOPPED * (1.0 + approach.abs() + sliding.abs()) {
+            let is_slow =
+                speeds[opening.contact].abs() <= STOPPED * (1.0 + approach.abs() + sliding.abs());
+            if is_slow || impact.stopped.contains(&opening.contact) {
                 speeds[opening.contact] = 0.0;
                 self.stop(opening.contact, state);
             }
