@@ -30,6 +30,10 @@ use crate::model::{Method, Opening};
 /// The most combinations that are tried.
 const MOST_TRIED: usize = 100_000;
 
+/// The largest acceleration, over 1 and the largest of all, at which bodies still approach each other by rounding whose force has just
+/// vanished: it accelerates light bodies the more.
+const RELEASED: f64 = 1e-7;
+
 /// So few combinations are computed one by one.
 const FEW: usize = 3;
 
@@ -62,7 +66,13 @@ impl TouchingSystem<'_> {
             let of_candidate = (forces, &gaps[..]);
             let fit = || {
                 (are_determined || self.agree(candidate, of_candidate, residual))
-                    && self.fits(candidate, &given, of_candidate, fixed, [slack, for_motion, least])
+                    && self.fits(
+                        candidate,
+                        &given,
+                        of_candidate,
+                        (fixed, released),
+                        [slack, for_motion, least],
+                    )
             };
             !forces.iter().all(is_finite) || fit()
         };
@@ -293,9 +303,10 @@ impl TouchingSystem<'_> {
         phases: &Phases,
         given: &Phases,
         (forces, gap_forces): (&Forces, &[GapForces]),
-        fixed: &[usize],
+        (fixed, released): (&[usize], Option<usize>),
         [slack, for_motion, least]: [f64; 3],
     ) -> bool {
+        let scale = || forces.iter().fold(1.0, |most: f64, of| most.max(of.acceleration.abs()));
         let (of_contacts, of_gaps) = phases.split_at(self.contacts());
         let was_closed = &given[self.contacts()..];
         let gaps = self.gaps.iter().zip(of_gaps).zip(gap_forces).zip(was_closed);
@@ -313,6 +324,9 @@ impl TouchingSystem<'_> {
         for (opening, found) in self.openings.iter().zip(&gap_forces[self.gaps.len()..]) {
             let holds = match (phases[opening.contact], given[opening.contact]) {
                 (Phase::Apart, Phase::Apart) => true,
+                (Phase::Apart, _) if released == Some(opening.contact) => {
+                    found.opening_acceleration >= -RELEASED * scale()
+                }
                 (Phase::Apart, _) => found.opening_acceleration >= -for_motion,
                 _ => found.force >= least,
             };
