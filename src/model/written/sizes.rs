@@ -8,6 +8,9 @@ use super::formula::{Valued, WHOLE};
 use super::instance::Instance;
 use super::numeric::{NamedValues, Scales};
 
+/// The rounding of a sum, over the sum of the sizes of its terms.
+const ROUNDING: f64 = 1e-14;
+
 /// The sizes of a system with values of its parameters, in SI units.
 pub(super) struct Sizes {
     /// Each coordinate and its rate of change in the middle of its start ranges.
@@ -71,11 +74,20 @@ impl Instance<'_> {
             Ok(!acts && self.is_ignorable(values, &middle, *number)?)
         };
         let ignorable = all.iter().map(is_ignorable).collect::<Valued<Vec<bool>>>()?;
+        // What rounding leaves of forces that cancel each other, such as those of two springs, tells nothing.
+        let rounding = |row: usize| -> f64 {
+            let terms = (0..n).map(|column| slopes[0][(row, column)].abs() * reach[column][0]);
+            ROUNDING * terms.sum::<f64>()
+        };
+        let rounding: Vec<f64> = (0..n).map(rounding).collect();
         let [stiffness, damping] = slopes.map(|slopes| largest_eigenvalue(&slopes));
         let forcing = period.map_or(0.0, |period| TAU / period.abs());
         let frequency = stiffness.sqrt().max(forcing);
-        let [acceleration, mass] =
+        let [mut acceleration, mass] =
             at_middle.clone().unwrap_or_else(|| [vec![0.0; n], vec![0.0; n]]);
+        for (value, rounding) in acceleration.iter_mut().zip(rounding) {
+            *value = if value.abs() <= rounding { 0.0 } else { *value };
+        }
         let largest = |of: &dyn Fn(usize) -> f64| {
             (0..n).map(of).filter(|value| value.is_finite()).fold(0.0, f64::max)
         };
