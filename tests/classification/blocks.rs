@@ -143,10 +143,10 @@ fn a_block_on_a_belt_has_the_cycle_of_the_closed_form() {
 }
 
 /// Inside the cycle, and alone for equal coefficients, are orbits on which the block slides
-/// permanently, with the amplitude of its start. No such orbit attracts, so that the program
-/// reports no limit cycle.
+/// permanently, with the amplitude of its start. No such orbit attracts: its multiplier is 1. The outermost one touches
+/// the belt's speed, where the multiplier depends on the side.
 #[test]
-fn a_block_that_slides_permanently_is_undecided() {
+fn a_block_that_slides_permanently_repeats() {
     let dropping = Block { friction: drop_at_once(0.2), ..Block::on_belt() };
     for (block, start, radius) in [
         (&dropping, [0.016, 0.0], 0.006),
@@ -158,9 +158,12 @@ fn a_block_that_slides_permanently_is_undecided() {
     ] {
         for method in METHODS {
             let outcome = run(block, start, method, 100.0);
-            assert_eq!(outcome.evidence.name(), "end_time", "{start:?} {method:?}");
+            assert_eq!(outcome.evidence.name(), "repeats", "{start:?} {method:?} {outcome:?}");
+            assert_eq!((outcome.label(), outcome.time_to_rest_s()), (Label::Periodic, None));
             near(outcome.amplitude_m, radius, 1e-6);
-            assert_eq!((outcome.evidence.period_s(), outcome.time_to_rest_s()), (None, None));
+            near(outcome.evidence.period_s(), 0.2 * std::f64::consts::PI, 1e-9);
+            let cycle = outcome.evidence.cycle().expect("a cycle");
+            assert!(cycle.multipliers.iter().all(|one| (one - 1.0).abs() < 1e-6), "{cycle:?}");
         }
     }
 }

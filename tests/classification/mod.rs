@@ -23,7 +23,7 @@ mod motor_drives;
 mod multipliers;
 mod near_cycles;
 pub mod openings;
-mod outputs;
+pub mod outputs;
 pub mod recorder;
 mod recorder_touches;
 pub mod reference;

@@ -8,6 +8,7 @@ use stickslip::classification::{Outcome, simulate};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State, System};
 use stickslip::motion::{Phase, Settings, Tolerance};
 
+use super::outputs;
 use crate::support::{shared, start_of, started};
 
 const FINE: Settings = Settings {
@@ -161,4 +162,29 @@ fn multipliers_are_those_of_the_return_map() {
             assert!((found - expected).abs() < 1e-4, "{speed}: {found:?} {expected:?}");
         }
     }
+}
+
+/// A mass that a controller with an integral and a lag moves to and fro on the ground: the cycle and its only multiplier other than 0 do
+/// not depend on the start state, although some runs mark the section in a step that ends where the mass stops. The multiplier
+/// is that of an integration with SciPy (finite differences of the map from stop to stop).
+#[test]
+fn the_multiplier_of_a_hunting_controller_does_not_depend_on_the_section() {
+    let system = "parameters: {m: 1, k_p: 4, k_i: 1, k_d: 2, mu: 1, mu_static: 1.5, v_str: 0.05, lag: 1}
+coordinates: {x: {start: [-1, 1], start_rate: 0}, i: {start: [-1, 1], start_rate: 0}}
+mass: {x: {x: m}, i: {i: lag}}
+force: {x: -k_p * x - k_i * i - k_d * x', i: x - i'}
+contacts: {ground: {normal: 1, sliding: x', friction: {stribeck: {coefficient: mu, static_coefficient: mu_static, stribeck_speed: v_str}}}}";
+    let mut cycles = 0;
+    for case in outputs::cases(system, 16, 4000.0) {
+        for method in [Method::Event, Method::Switch] {
+            let simulation = Simulation { method, ..case.simulation };
+            let outcome = simulate(&Case { simulation, ..case.clone() });
+            let Some(cycle) = outcome.evidence.cycle() else { continue };
+            assert_eq!(outcome.evidence.name(), "closed_orbit", "{outcome:?}");
+            assert!((cycle.multipliers[0] - 0.301_949).abs() < 2e-6, "{cycle:?}");
+            assert!(cycle.multipliers[1] < 1e-6, "{cycle:?}");
+            cycles += 1;
+        }
+    }
+    assert!(cycles >= 30, "{cycles}");
 }

@@ -11,7 +11,7 @@ pub(super) fn outcomes(system: &str, samples: usize, end_time_s: f64) -> Vec<Out
 }
 
 /// Returns the runs of a system.
-pub(super) fn cases(system: &str, samples: usize, end_time_s: f64) -> Vec<Case> {
+pub fn cases(system: &str, samples: usize, end_time_s: f64) -> Vec<Case> {
     cases_of(&parse(format!(
         "schema: 1\nname: a\nseed: 7\nmodel:\n  system:\n    system: a\n    {}\n\
          initial_conditions: {{design: {{monte_carlo: {{samples: {samples}}}}}}}\n\

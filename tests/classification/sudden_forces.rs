@@ -148,3 +148,44 @@ mass: {{phi: {{phi: j}}{mass}}}
         }
     }
 }
+
+/// A force that decays moves a block, which friction stops, and friction holds a block against half of it: both are certainly at rest,
+/// although the equations contain the time.
+#[test]
+fn a_block_rests_after_a_force_that_decays() {
+    let [m, p, tau, friction] = [2.0_f64, 20.0, 0.7, 8.0];
+    let system = |p: f64| {
+        format!(
+            "parameters: {{m: {m} kg, p: {p} N, tau: {tau} s, load: {friction} N}}
+coordinates: {{x: {{unit: m}}}}
+mass: {{x: {{x: m}}}}
+force: {{x: p * exp(-t / tau)}}
+contacts: {{ground: {{normal: load, sliding: x', friction: {{coulomb: {{coefficient: 1}}}}}}}}"
+        )
+    };
+    // m x' = p tau (1 - exp(-t / tau)) - friction t vanishes.
+    let impulse = |t: f64| p * tau * (1.0 - (-t / tau).exp()) - friction * t;
+    let (mut low, mut high) = (0.5, 10.0);
+    while high - low > 1e-14 {
+        let middle = 0.5 * (low + high);
+        if impulse(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    let place = p * tau * (low - tau * (1.0 - (-low / tau).exp())) - 0.5 * friction * low * low;
+    for outcome in by_both(&system(p), 100.0) {
+        assert_eq!(outcome.evidence.name(), "rest_certified", "{outcome:?}");
+        assert_near(outcome.outputs[0].end, place / m, 1e-6);
+        assert_near(outcome.time_to_rest_s().unwrap_or(f64::NAN), low, 1e-6);
+        // From its last stage on no force acts.
+        assert_near(outcome.evidence.friction_margin().unwrap_or(f64::NAN), 1.0, 1e-12);
+    }
+    for outcome in by_both(&system(0.5 * friction), 100.0) {
+        assert_eq!(outcome.evidence.name(), "rest_certified", "{outcome:?}");
+        assert_eq!((outcome.outputs[0].end, outcome.effort.switches), (0.0, 0));
+    }
+    // A ramp never ends, and a force that alternates has no period without the key.
+    for force in ["p * t / tau", "p * sin(t / tau)"] {
+        for outcome in by_both(&system(1.0).replace("p * exp(-t / tau)", force), 5.0) {
+            assert_eq!(outcome.evidence.name(), "end_time", "{outcome:?}");
+        }
+    }
+}

@@ -38,5 +38,5 @@ fn motions_that_repeat_are_not_quasi_periodic() {
     let outcome = run([1.0, 0.5, 0.2], Method::Event);
     assert_eq!(outcome.evidence.name(), "closed_orbit", "{outcome:?}");
     let outcome = run([2.0, 0.3, 0.0], Method::Event);
-    assert_eq!(outcome.evidence.name(), "end_time", "{outcome:?}");
+    assert_eq!(outcome.evidence.name(), "repeats", "{outcome:?}");
 }

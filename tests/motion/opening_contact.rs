@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
+use stickslip::classification::simulate;
 use stickslip::model::{
-    Expression, Friction, FrictionLaw, ImpactLaw, Mechanism, MechanismContact, MechanismNormal,
-    Method, Number, Recorder, System,
+    Case, Expression, Friction, FrictionLaw, ImpactLaw, Mechanism, MechanismContact,
+    MechanismNormal, Method, Number, OutputValue, Recorder, Simulation, System,
 };
 use stickslip::motion::{Direction, Motion, Phase, Settings, Tolerance};
 
 use super::samples::compare_displacements;
 use crate::classification::openings::block;
+use crate::classification::outputs::cases;
 use crate::support::OwnSystem;
 
 fn settings(method: Method) -> Settings {
@@ -197,5 +199,62 @@ fn displacements_pass_through_impacts_with_friction_and_through_release() {
     for (system, start, places, end) in cases {
         let settings = settings(Method::Event);
         compare_displacements(system, settings, start, places, end, [1e-6, 1e-5]);
+    }
+}
+
+/// A forced mass hits a light plate on a spring. Far from the origin of the coordinates, rounding leaves more of the force at which they
+/// separate than the force changes in a short time, and the light plate makes a large acceleration of it.
+#[test]
+fn a_light_plate_separates_wherever_the_origin_lies() {
+    for origin in [0.0, 10.0, 1000.0] {
+        let system = format!(
+            "parameters: {{l: {origin:?}, mp: 1e-3, bet: 15, cp: 0.02, om: 1.1}}
+coordinates: {{x: {{start: l}}, p: {{start: l + 0.02}}}}
+mass: {{x: {{x: 1}}, p: {{p: mp}}}}
+force:
+  x: 1.6 * cos(om * t) - (x - l) - 0.1 * x'
+  p: -bet * (p - l - 0.02) - cp * p'
+contacts: {{stop: {{gap: p - x}}}}
+period: 2 * pi / om"
+        );
+        for method in [Method::Switch, Method::Event] {
+            let case = cases(&system, 1, 300.0).remove(0);
+            let simulation = Simulation { method, ..case.simulation };
+            let outcome = simulate(&Case { simulation, ..case });
+            if origin < 100.0 {
+                assert_eq!(outcome.evidence.name(), "closed_orbit", "{origin} {method:?}");
+                let cycle = outcome.evidence.cycle().expect("a cycle");
+                assert!((cycle.multipliers[0] - 0.744_3).abs() < 1e-4, "{cycle:?}");
+            }
+            let amplitude = outcome.outputs[0].value(OutputValue::Amplitude);
+            assert!((amplitude.unwrap_or(f64::NAN) - 1.0769).abs() < 1e-3, "{outcome:?}");
+        }
+    }
+}
+
+/// A nut falls on a thread with a lead angle below the angle of friction: the only motion after the impact is stick, also where the inertia of
+/// the screw is so small that the equations of slip have no solution (Painlevé). The margin is `1 - tan(lead) / μ`.
+#[test]
+fn a_nut_sticks_where_it_falls_on_a_screw() {
+    for inertia in [1e-4, 1.1e-5, 9e-6, 5e-6] {
+        let system = format!(
+            "parameters: {{J: {inertia:e} kg m^2, m: 10 kg, r: 10 mm, lam: 0.1 rad, mu: 0.2, W: 100 N, b: 0.01 N m s/rad}}
+coordinates: {{th: {{unit: rad}}, x: {{unit: m, start_rate: -0.01}}}}
+mass: {{th: {{th: J}}, x: {{x: m}}}}
+force: {{th: -b * th', x: -W}}
+contacts:
+  thread:
+    gap: x * cos(lam) - r * th * sin(lam)
+    sliding: x' * sin(lam) + r * th' * cos(lam)
+    friction: {{coulomb: {{coefficient: mu}}}}"
+        );
+        for method in [Method::Switch, Method::Event] {
+            let case = cases(&system, 1, 2.0).remove(0);
+            let simulation = Simulation { method, ..case.simulation };
+            let outcome = simulate(&Case { simulation, ..case });
+            assert_eq!(outcome.evidence.name(), "rest_certified", "{inertia} {method:?}");
+            let margin = outcome.evidence.friction_margin().unwrap_or(f64::NAN);
+            assert!((margin - (1.0 - 0.1_f64.tan() / 0.2)).abs() < 1e-6, "{margin}");
+        }
     }
 }
