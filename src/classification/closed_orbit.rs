@@ -180,14 +180,14 @@ fn repeats(map: ReturnMap, run: &[f64], first: Option<&(Return, DMatrix<f64>)>) 
     }
     let (end, period) = map.follow_closely(run)?;
     let (state, slope) = (Components::from_slice(run), DMatrix::zeros(0, 0));
-    let closed = Closed { map, state, slope, error: error(&end) / (LEAST_SIZE * REPEATS) };
+    let closed = Closed { map, state, slope, error: error(&end) };
     let has_derivative = multipliers.is_some() || first.is_some();
     let orbit = orbit(&closed, &end, period, multipliers.unwrap_or_default());
     let is_sound = !orbit.multipliers.is_empty() || !has_derivative || orbit.grazes();
     let repeats = is_sound
+        && closed.error <= REPEATS * size(&closed, &orbit)
         && orbit.margin.is_none_or(|margin| margin > 0.0)
         && !is_equilibrium(&closed)
-        && !is_point(&closed, &orbit)
         && !moves_one_way(&closed, &orbit);
     repeats.then_some(orbit)
 }
@@ -205,6 +205,12 @@ fn is_equilibrium(closed: &Closed) -> bool {
 /// Returns whether an orbit of a system without forcing may be an equilibrium that the run approaches: its size is less than
 /// [`LEAST_SIZE`] times the distance from the orbit that closes exactly.
 fn is_point(closed: &Closed, orbit: &Orbit) -> bool {
+    let is_forced = closed.map.view.evaluator.graph().layout.forcing.is_some();
+    !is_forced && size(closed, orbit) < LEAST_SIZE * closed.error
+}
+
+/// Returns the size of an orbit.
+fn size(closed: &Closed, orbit: &Orbit) -> f64 {
     let ReturnMap { section, view, turns, .. } = closed.map;
     let layout = &view.evaluator.graph().layout;
     let time = orbit.period / (TAU * turns as f64);
@@ -214,7 +220,7 @@ fn is_point(closed: &Closed, orbit: &Orbit) -> bool {
         let is_velocity = layout.velocities.iter().flatten().any(|of| *of == place);
         rate.abs() * if is_velocity { time * time } else { time }
     });
-    layout.forcing.is_none() && sizes.fold(0.0, f64::max) < LEAST_SIZE * closed.error
+    sizes.fold(0.0, f64::max)
 }
 
 /// Returns whether a contact, whose position matters, only ever moves in one direction: it creeps, however little.

@@ -2,10 +2,8 @@
 
 use super::closed_orbit::Orbit;
 use super::periodic_creep::Creep;
-use super::section::marks;
-use super::system_view::SystemView;
-use crate::model::{Components, Model};
-use crate::motion::{Evaluator, Failure};
+use crate::model::Components;
+use crate::motion::Failure;
 
 /// How the simulation ended.
 pub(super) enum Ending {
@@ -21,22 +19,4 @@ pub(super) enum Ending {
     EndTime,
     /// The motion could not be continued.
     Failure(Failure),
-}
-
-/// The endings of runs beside irregular motion and sliding at constant speed that the program finds for a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FoundEndings {
-    /// Limit cycles.
-    pub cycles: bool,
-    /// Rests in which contacts stick, or rests of a system without contacts.
-    pub rests: bool,
-}
-
-/// Returns the endings that the program finds for a model; all for a model without a system.
-pub fn found_endings(model: &Model) -> FoundEndings {
-    let Some(system) = model.system() else { return FoundEndings { cycles: true, rests: true } };
-    let view = SystemView::new(Evaluator::new(system));
-    let cycles = view.revolves() || !marks(&view).is_empty();
-    let rests = view.contacts.is_empty() || view.rest_forms().is_some();
-    FoundEndings { cycles, rests }
 }

@@ -70,7 +70,8 @@ impl LaneRun {
         let (first, last) = (&stages[0], &stages[stages.len() - 1]);
         let view = view_of(first);
         let begin = last.begins_s * units.natural_rad_s;
-        let late = |end: f64| TailStatistics::within([begin, end], simulation.endings, &view);
+        let last_view = if stages.len() == 1 { Arc::clone(&view) } else { view_of(last) };
+        let late = |end: f64| TailStatistics::within([begin, end], simulation.endings, &last_view);
         let horizons = Horizons::new(simulation, units.natural_rad_s, late);
         let limit =
             |stage: &Stage| effort_limit(&case.model, stage.system.as_ref(), horizons.latest_end());

@@ -12,7 +12,7 @@
 //! | `limit_cycle` | `closed_orbit` | the orbit closes modulo 2π, its multipliers lie inside the unit circle, resting balls keep a margin |
 //! | `periodic` | `repeats` | the motion repeats within its accuracy and does not approach another one; without damping, its neighbours repeat as well |
 //! | `creep` | `periodic_creep` | in each of the latest periods of the forcing, contacts slip by the same small amount and stop or turn back |
-//! | `quasi_periodic` | `torus` | weighted averages of the returns to a section converge as on a torus with two frequencies |
+//! | `quasi_periodic` | `torus` | the returns to a section come back ever nearer, as on a torus with two frequencies |
 //! | `irregular` | `lyapunov` | neighbouring motions separate exponentially; the confidence interval of the exponent, from enough blocks, is positive |
 //! | `undecided` | `unstable_orbit` | the orbit closes, but a multiplier lies outside the unit circle |
 //! | `undecided` | `end_time` | none of the above until the end time |
@@ -65,11 +65,10 @@ mod window;
 
 /// Version of the computed outcomes, incremented with every change that alters an outcome; cached
 /// results of other versions are not reused. A test pins the outcomes of each version.
-pub const MODEL_VERSION: u32 = 29;
+pub const MODEL_VERSION: u32 = 30;
 
 pub use closed_orbit::Orbit;
 pub use cycle::{Cycle, CyclePhase, TouchingPair};
-pub use ending::{FoundEndings, found_endings};
 pub use gap_sample::{GapSample, Touch};
 pub use in_lockstep::{Runs, simulate_by_recorded_equations_in_lockstep, simulate_in_lockstep};
 pub use outcome::{ClosedOrbit, Evidence, Label, LyapunovExponent, Outcome, Rest, TouchingOutcome};

@@ -106,7 +106,7 @@ pub enum Evidence {
     },
     /// The orbit near the run closes but is unstable.
     UnstableOrbit(Box<Cycle>),
-    /// Weighted averages of the returns to a section converge as on a torus.
+    /// The returns to a section come back ever nearer, as on a torus.
     Torus,
     /// Neighbouring motions separate, and the confidence interval of the exponent, from enough blocks, is positive.
     Lyapunov,

@@ -103,9 +103,9 @@ impl Stages {
         self.present + 1 == self.all.len()
     }
 
-    /// Returns whether the run has stages whose amplitudes count.
+    /// Returns whether the run has stages that count: a stage that continues the one before does not.
     pub(super) fn counts(&self) -> bool {
-        self.all.len() > 1
+        self.all.iter().skip(1).any(|stage| !stage.continues)
     }
 
     /// Takes in the latest step, in which the amplitude may be larger than so far.

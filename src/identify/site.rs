@@ -75,7 +75,14 @@ fn constant_stages(study: &Study, point_id: u64) -> Vec<bool> {
     let run = study.planned_run(study.point(point_id).first_run);
     let end_time_s = run.case.as_ref().map_or(f64::INFINITY, |case| case.simulation.end_time_s);
     let stages = study.point(point_id).model().stages(&run.start, end_time_s);
-    stages.unwrap_or_default().iter().map(|stage| !stage.is_driven).collect()
+    let mut constant: Vec<bool> = Vec::new();
+    for stage in stages.unwrap_or_default() {
+        match constant.last_mut().filter(|_| stage.continues) {
+            Some(last) => *last = !stage.is_driven,
+            None => constant.push(!stage.is_driven),
+        }
+    }
+    constant
 }
 
 /// Balls whose gap is at most this wide rest in touch, rad: far below any measured distance.

@@ -166,7 +166,8 @@ pub trait OwnKind: Sync {
     }
 
     /// Returns the time, s, before the end of a run from which on the equations no longer depend on it, and the system from then on,
-    /// without the time in its state; `None` if there is none, and for a system whose run has other stages.
+    /// without the time in its state; `None` if there is none, and for a system whose run has other stages. A run that is continued
+    /// beyond its end keeps the stages that it has.
     fn lasting_system(&self, _model: &OwnModel, _end_s: f64) -> Option<(f64, Arc<dyn System>)> {
         None
     }

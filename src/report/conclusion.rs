@@ -5,8 +5,8 @@
 use super::data::{NamedPoints, PointFacts};
 use crate::analysis::reference_amplitude;
 use crate::check::Obstacle;
-use crate::classification::{FoundEndings, Label, found_endings};
-use crate::model::{Endings, Model};
+use crate::classification::Label;
+use crate::model::Endings;
 use crate::numbers::percent;
 use crate::study::Study;
 
@@ -32,8 +32,6 @@ pub struct Conclusion {
     /// Runs of a study that detects all endings, and how many of them are undecided.
     runs: u64,
     undecided: u64,
-    /// What more time decides, if there are undecided runs.
-    later: Option<String>,
 }
 
 impl Conclusion {
@@ -53,9 +51,6 @@ impl Conclusion {
             self.runs = self.runs.saturating_add(point.runs);
             let undecided = point.label(Label::Undecided).runs;
             self.undecided = self.undecided.saturating_add(undecided);
-            if undecided > 0 && self.later.is_none() {
-                self.later = Some(decided_later(study.model()));
-            }
         }
         let [grade, _] = point.residual.balance_quality_grade_mm_s;
         if grade.is_some() && 2 * point.equilibrium.runs < point.runs {
@@ -160,9 +155,11 @@ impl Conclusion {
     /// Returns the sentence on undecided runs; `None` if there are few.
     fn about_undecided(&self) -> Option<String> {
         let Conclusion { undecided, runs, .. } = *self;
-        let later = self.later.as_ref()?;
-        (undecided as f64 >= MANY_UNDECIDED * runs as f64)
-            .then(|| format!("{undecided} of {runs} runs are undecided; {later}."))
+        (undecided > 0 && undecided as f64 >= MANY_UNDECIDED * runs as f64).then(|| {
+            format!(
+                "{undecided} of {runs} runs are undecided; a larger simulation.end_time_s or simulation.extend may decide more."
+            )
+        })
     }
 
     fn overlaps(&self) -> Option<String> {
@@ -177,30 +174,6 @@ impl Conclusion {
 
 /// The fraction of undecided runs from which a longer simulation is proposed.
 const MANY_UNDECIDED: f64 = 0.1;
-
-/// Returns which undecided runs of a model a longer simulation decides, in words.
-fn decided_later(model: &Model) -> String {
-    let longer = "a larger simulation.end_time_s or simulation.extend decides";
-    let kind = model.kind().name;
-    match found_endings(model) {
-        FoundEndings { cycles: true, .. } => match model.ball_balancer() {
-            Some(machine) if machine.contact.is_none() => format!("{longer} more"),
-            Some(_) => format!("{longer} more, but no quasi-periodic motion"),
-            None => format!(
-                "{longer} more, but no run whose motion goes on with an amplitude that depends on its start"
-            ),
-        },
-        FoundEndings { rests: true, .. } => format!(
-            "the program finds no limit cycles of {kind} with this friction, so that {longer} only runs that come to rest \
-             or are irregular"
-        ),
-        FoundEndings { .. } => format!(
-            "the program finds neither limit cycles of {kind} nor rests in which a {} sticks, so that {longer} only runs \
-             that are irregular or slide at constant speed",
-            model.kind().body
-        ),
-    }
-}
 
 fn in_words(obstacle: Obstacle) -> &'static str {
     match obstacle {

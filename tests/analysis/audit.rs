@@ -12,6 +12,6 @@ fn other_labels_and_failures_on_one_side_are_flips() {
             counts.add(first, second);
         }
     }
-    assert_eq!(counts, AuditCounts { runs: 49, flips: 42, rest_flips: 12 });
-    assert_eq!((counts.flip_rate(), counts.interval()), (Some(42.0 / 49.0), wilson(42, 49, Z_95)));
+    assert_eq!(counts, AuditCounts { runs: 64, flips: 56, rest_flips: 14 });
+    assert_eq!((counts.flip_rate(), counts.interval()), (Some(56.0 / 64.0), wilson(56, 64, Z_95)));
 }

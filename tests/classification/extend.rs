@@ -189,10 +189,10 @@ fn other_labels_are_not_continued() {
 /// continued is given up at the same step, even though it could reach its own end time.
 #[test]
 fn the_limit_of_effort_is_that_of_the_longer_run() {
-    let undamped = FrictionLaw::viscous(0.0);
+    let slippery = FrictionLaw::smooth(1e200);
     let case = |end_time_s: f64, extend: Option<Extend>| Case {
-        model: Block { friction: undamped, ..Block::on_spring() }.into(),
-        start: Start(vec![0.01, 0.0]),
+        model: Machine { friction: slippery, ..Machine::default() }.into(),
+        start: Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0; 2], &[0.5, -0.3]),
         simulation: Simulation { end_time_s, extend, ..Simulation::default() },
     };
     let extended = simulate(&case(1e7, Some(still_moving(1000.0))));

@@ -6,17 +6,13 @@ use stickslip::model::{Ball, Case, FrictionLaw, Machine, Model, Simulation, Star
 
 #[test]
 fn runs_with_too_many_steps_are_abandoned_soon() {
-    let undamped = FrictionLaw::viscous(0.0);
     let slippery = FrictionLaw::smooth(1e200);
-    let swinging: Model = Block { friction: undamped, ..Block::on_spring() }.into();
-    let stiff: Model =
-        Block { friction: undamped, stiffness_n_m: 1e40, ..Block::on_spring() }.into();
-    let turning: Model = Machine { friction: slippery, ..Machine::default() }.into();
-    let block = Start(vec![0.01, 0.0]);
+    let turning = Machine { friction: slippery, ..Machine::default() };
+    let stiff = Machine { stiffness_n_m: 1e40, ..turning.clone() };
+    let turning = Machine { speed_rad_s: -160.0, ..turning };
     let balls = Start::of_balancer([0.01, 0.0], &[1.0, 4.0], [0.0; 2], &[0.5, -0.3]);
-    for (model, start, end_time_s) in
-        [(swinging, &block, 1e12), (stiff, &block, 1.0), (turning, &balls, 1e12)]
-    {
+    for (machine, end_time_s) in [(stiff, 1.0), (turning, 1e12)] {
+        let (model, start): (Model, _) = (machine.into(), &balls);
         let simulation = Simulation { end_time_s, ..Simulation::default() };
         let a_second = (1.0 / seconds_per_step(&model)) as u64;
         let bound = most_steps_of_a_run(&model, &simulation).unwrap();

@@ -77,7 +77,7 @@ fn a_block_on_a_belt_has_one_cycle() {
         }
         let fastest = -speed_m_s - block.natural_frequency_rad_s() * exact.amplitude_m;
         assert!((value("min_speed_belt_m_s", row) / fastest - 1.0).abs() < 1e-6);
-        assert_eq!(value("largest_multiplier", row), 0.0);
+        assert!(value("largest_multiplier", row) < 1e-6);
     }
     let runs = scratch.table("out", "runs");
     for (label, class) in words(&runs, "label").iter().zip(words(&runs, "cycle_class")) {

@@ -26,6 +26,8 @@ pub(super) struct ExaminedSystem {
     pub outputs: Vec<Dimension>,
     /// The first value without physical meaning.
     pub sound: Result<(), InvalidParameter>,
+    /// The system from a time, non-dimensional, on, if its equations do not depend on the time any more then.
+    pub lasting: OnceLock<Option<(f64, Arc<WrittenSystem>)>>,
 }
 
 /// The inertia, without dimensions, below which a contact has a unit of force of its own.
@@ -180,7 +182,8 @@ impl ExaminedSystem {
             instance,
         };
         system.has_one_solution = sound.is_ok() && system.always_decides_in_one_way();
-        Ok(ExaminedSystem { system: Arc::new(system), speeds, outputs, sound })
+        let (system, lasting) = (Arc::new(system), OnceLock::new());
+        Ok(ExaminedSystem { system, speeds, outputs, sound, lasting })
     }
 
     /// Returns a start state in the components of the system: positions, velocities, and the time if the equations contain it.

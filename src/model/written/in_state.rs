@@ -30,9 +30,9 @@ impl WrittenSystem {
             .split_at_checked(n)
             .map(|(positions, rest)| (positions, rest.split_at_checked(n)));
         let Some((positions, Some((velocities, clock)))) = parts else { return Ok(None) };
-        let time = clock
-            .first()
-            .map_or(0.0, |clock| clock * self.period.map_or(1.0, |period| period / TAU));
+        let time = clock.first().map_or(self.lasting.unwrap_or(0.0), |clock| {
+            clock * self.period.map_or(1.0, |period| period / TAU)
+        });
         let time = time * self.units.time;
         let parameters = instance.parameters_in_stage(&self.values, &self.stage, time);
         let base =

@@ -371,8 +371,10 @@ impl OwnKind for WrittenKind {
         let examined = self.examined(model).ok()?;
         let system = &examined.system;
         let second = system.scales.unit([0, 0, WHOLE]) * system.units.time;
-        let (time, system) = system.lasting(end_s / second)?;
-        Some((time * second, Arc::new(system)))
+        let find = || system.lasting().map(|(time, system)| (time, Arc::new(system)));
+        let (time, system) = examined.lasting.get_or_init(find).as_ref()?;
+        let begins_s = time * second;
+        (begins_s < end_s).then(|| (begins_s, Arc::clone(system) as Arc<dyn System>))
     }
 
     fn system(&self, model: &OwnModel) -> Arc<dyn System> {

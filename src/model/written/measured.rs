@@ -1,11 +1,12 @@
 //! What a system of a file measures, recorded once: its coordinates, their rates of change and the outputs of the file.
 
 use super::formula::Valued;
-use crate::model::{Components, Expression, GraphPart, Recorder, SystemEquations};
+use crate::model::{Components, Expression, Graph, GraphPart, Recorder, SystemEquations};
 
 /// The measured quantities.
 #[derive(Debug)]
 pub(super) struct MeasuredQuantities {
+    graph: Graph,
     all: GraphPart,
     each: Vec<GraphPart>,
 }
@@ -21,7 +22,13 @@ impl MeasuredQuantities {
             SystemEquations { derivative: quantities(&recorder)?, ..SystemEquations::default() };
         let graph = recorder.finish(&equations);
         let each = graph.derivative.iter().map(|quantity| graph.part(vec![*quantity]));
-        Ok(MeasuredQuantities { each: each.collect(), all: graph.part(graph.derivative.clone()) })
+        let (each, all) = (each.collect(), graph.part(graph.derivative.clone()));
+        Ok(MeasuredQuantities { each, all, graph })
+    }
+
+    /// Returns whether they depend on the time no longer from an instant on ([`Graph::lasts_from`]).
+    pub(super) fn last_from(&self, clock: usize, time: f64, inputs: &[f64]) -> bool {
+        self.graph.lasts_from(clock, time, inputs)
     }
 
     /// Returns the values in a state; `inputs` are those of the system.

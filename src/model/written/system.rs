@@ -18,8 +18,10 @@ use crate::model::{
     add_mechanism_inputs, stiff_rate,
 };
 
-/// The end of a run is parted by powers of the square root of 2 up to this one, to find the time from which on equations last.
-const MOST_PARTS: i32 = 60;
+/// The times from which on equations may last: powers of the square root of 2, non-dimensional.
+const HALF_POWERS: std::ops::Range<i32> = -20..80;
+/// The time at which equations that last are evaluated, over that from which on they last.
+const MUCH_LATER: f64 = 1e3;
 
 /// A system of a file with values of its parameters, without dimensions.
 #[derive(Clone, Debug)]
@@ -42,7 +44,7 @@ pub(super) struct WrittenSystem {
     pub coordinates: [Rates<f64>; 2],
     /// The period after which the equations repeat, if they depend on the time.
     pub period: Option<f64>,
-    /// The time from which on the equations no longer depend on it, in a stage that begins then.
+    /// The time at which the equations are evaluated, in a stage in which they no longer depend on it.
     pub lasting: Option<f64>,
     /// How the part that turns and the given motions move in a stage.
     pub stage: GivenTerms<f64>,
@@ -294,9 +296,9 @@ impl WrittenSystem {
         system
     }
 
-    /// Returns the time before `end`, non-dimensional, from which on the equations no longer depend on it, and the system from then
-    /// on; `None` for a system with a period, or with motions that tables give.
-    pub fn lasting(&self, end: f64) -> Option<(f64, Self)> {
+    /// Returns the time, non-dimensional, from which on the equations and the outputs no longer depend on it, and the system from then
+    /// on; `None` if there is none, for a system with a period, and with motions that tables give.
+    pub fn lasting(&self) -> Option<(f64, Self)> {
         let definition = self.instance.definition;
         let may_last = definition.uses_time
             && self.period.is_none()
@@ -305,15 +307,17 @@ impl WrittenSystem {
         if !may_last {
             return None;
         }
-        let graph = Graph::of(self);
+        let (graph, measured) = (Graph::of(self), self.measured()?);
         let inputs = self.inputs(&vec![ContactMode::Apart; graph.contacts.len()]);
         let clock = 2 * self.instance.coordinates.len();
-        let times = (1..=MOST_PARTS).map(|part| end * libm::exp2(-0.5 * f64::from(part)));
-        let times: Vec<f64> = times.collect();
-        let count = times.partition_point(|time| graph.lasts_from(clock, *time, &inputs));
-        let time = *times.get(count.checked_sub(1)?)?;
+        let lasts = |time: f64| {
+            graph.lasts_from(clock, time, &inputs) && measured.last_from(clock, time, &inputs)
+        };
+        let times: Vec<f64> = HALF_POWERS.map(|power| libm::exp2(0.5 * f64::from(power))).collect();
+        let time = *times.get(times.partition_point(|time| !lasts(*time)))?;
         let mut system = self.with_stage(self.stage.clone(), self.rates, None);
-        system.lasting = Some(time);
+        // What changes by rounding after this time has its last value.
+        system.lasting = Some(MUCH_LATER * time);
         Some((time, system))
     }
 
