@@ -1,6 +1,5 @@
 //! Runs that cannot reach their end are given up early, with a message.
 
-use crate::support::Block;
 use stickslip::classification::{most_steps_of_a_run, seconds_per_step, simulate};
 use stickslip::model::{Ball, Case, FrictionLaw, Machine, Model, Simulation, Start};
 

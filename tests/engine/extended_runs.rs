@@ -43,7 +43,7 @@ fn three_ways(rest: &str, end_time_s: f64, factor: f64) -> Scratch {
 /// other labels are stopped, and censored, at the study's own end time.
 #[test]
 fn continued_runs_are_those_of_the_longer_study() {
-    three_ways(BLOCK, 2.5, 2.0);
+    three_ways(BLOCK, 3.0, 2.0);
     let scratch = three_ways(BALLS, 3.0, 2.0);
     for name in ["points", "time_to_rest", "equilibria"] {
         let [extended, long] = ["extended", "long"].map(|way| scratch.table(way, name));

@@ -36,7 +36,7 @@ impl Graph {
             is_seen[node as usize] = true;
         }
         let keeps = |Interval { low, high }: Interval| {
-            low.is_nan() || high - low <= ROUNDING * low.abs().max(1.0)
+            low.is_nan() || low.is_finite() && high - low <= ROUNDING * low.abs().max(1.0)
         };
         self.events.is_empty()
             && self.gaps.is_empty()
