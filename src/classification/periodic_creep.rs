@@ -23,6 +23,8 @@ const SLIGHT: f64 = 1e-2;
 const STEADY: f64 = 0.1;
 /// Least displacement of a contact that creeps, over the largest displacement of a component.
 const CREEPS: f64 = 1e-3;
+/// A contact that is displaced by more than this, over the same, rolls on and on.
+const GOES_ON: f64 = 2.0;
 
 /// The latest period of a run that creeps.
 pub(super) struct Creep {
@@ -58,8 +60,10 @@ pub(super) fn creep(map: ReturnMap, passed: &[PassageState]) -> Option<Creep> {
     };
     let contacts = || view.contacts.iter().enumerate();
     let change = |position: usize| end.state[position] - start[position];
-    let moves = contacts().any(|(_, contact)| change(contact.position).abs() >= CREEPS * size);
-    if !moves || contacts().any(|(contact, _)| slides(contact)) {
+    let moves = |least: f64| {
+        contacts().any(|(_, contact)| change(contact.position).abs() >= least * size)
+    };
+    if !moves(CREEPS) || moves(GOES_ON) || contacts().any(|(contact, _)| slides(contact)) {
         return None;
     }
     Some(Creep {
