@@ -157,7 +157,7 @@ impl Conclusion {
         let Conclusion { undecided, runs, .. } = *self;
         (undecided > 0 && undecided as f64 >= MANY_UNDECIDED * runs as f64).then(|| {
             format!(
-                "{undecided} of {runs} runs are undecided; a larger simulation.end_time_s or simulation.extend may decide more."
+                "{undecided} of {runs} runs are undecided; a larger simulation.end_time_s or simulation.extend decides more."
             )
         })
     }

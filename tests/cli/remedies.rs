@@ -38,7 +38,7 @@ fn points_that_vibrate_more_have_a_remedy() {
 fn undecided_runs_need_more_time() {
     let study = study(AT_ONCE, "");
     let scratch = Scratch::with(&study);
-    let line = "8 of 8 runs are undecided; a larger simulation.end_time_s or simulation.extend may decide more.\n";
+    let line = "8 of 8 runs are undecided; a larger simulation.end_time_s or simulation.extend decides more.\n";
     scratch.prints("run a.yaml --out a", &[line]);
     let rests = study.replace("simulation: {", "simulation: {endings: rest, ");
     scratch.write("b.yaml", rests);
