@@ -17,7 +17,7 @@ use super::return_map::ReturnMap;
 /// The number of periods in which the displacement must stay the same.
 pub(super) const PERIODS: usize = 16;
 /// Least and largest displacement in a period, non-dimensional. Less is rounding.
-const LEAST: f64 = 1e-11;
+const LEAST: f64 = 1e-9;
 const SLIGHT: f64 = 1e-2;
 /// Largest change of the displacement, over the displacement.
 const STEADY: f64 = 0.1;
