@@ -60,9 +60,8 @@ pub(super) fn creep(map: ReturnMap, passed: &[PassageState]) -> Option<Creep> {
     };
     let contacts = || view.contacts.iter().enumerate();
     let change = |position: usize| end.state[position] - start[position];
-    let moves = |least: f64| {
-        contacts().any(|(_, contact)| change(contact.position).abs() >= least * size)
-    };
+    let moves =
+        |least: f64| contacts().any(|(_, contact)| change(contact.position).abs() >= least * size);
     if !moves(CREEPS) || moves(GOES_ON) || contacts().any(|(contact, _)| slides(contact)) {
         return None;
     }
