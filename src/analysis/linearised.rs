@@ -47,8 +47,8 @@ named!(Stability {
 /// Eigenvalues of the linearised equations of motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmallMotions {
-    /// All `2 (2 + N)` eigenvalues, fewer where balls touch, non-dimensional (times `ω_n`: 1/s), the fastest growing first.
-    /// Empty if they could not be computed.
+    /// All eigenvalues, non-dimensional (times `ω_n`: 1/s), the fastest growing first: of the balancer `2 (2 + N)`, fewer where balls
+    /// touch. Empty if they could not be computed.
     pub eigenvalues: Vec<Complex<f64>>,
     /// Stability according to the eigenvalues, without those along a family.
     pub stability: Stability,
@@ -130,12 +130,22 @@ impl SmallMotions {
     /// Computes the linearised motion about balls at rest at `beta`, a position of a family of
     /// `family_dimension` dimensions (0: isolated), with the viscous drag `drag` on each ball.
     pub fn about(form: &RestForm, beta: &[f64], drag: f64, family_dimension: usize) -> Self {
+        match state_matrix(form, beta, drag) {
+            Some(matrix) => {
+                let rounding = ZERO_REAL_PART * (1.0 + matrix.norm());
+                SmallMotions::of(&matrix, rounding, family_dimension)
+            }
+            None => SmallMotions { eigenvalues: Vec::new(), stability: Stability::Unknown },
+        }
+    }
+
+    /// Computes the motions `d/dt x = A x` of a matrix `A` whose eigenvalues along a family of equilibria vanish; real parts up to
+    /// `rounding` count as zero.
+    pub(crate) fn of(matrix: &DMatrix<f64>, rounding: f64, family_dimension: usize) -> Self {
         let unknown = SmallMotions { eigenvalues: Vec::new(), stability: Stability::Unknown };
-        let Some(matrix) = state_matrix(form, beta, drag) else { return unknown };
         if matrix.iter().any(|entry| !entry.is_finite()) {
             return unknown;
         }
-        let rounding = ZERO_REAL_PART * (1.0 + matrix.norm());
         let iterations = ITERATIONS * matrix.nrows();
         // Coinciding eigenvalues, as of many identical balls, may need a larger tolerance to
         // converge.

@@ -84,6 +84,7 @@ pub use set_components::SetRuns;
 pub use set_extremes::amplitude_extremes;
 pub use set_grid::{GridRow, GridSummary, SetGrid};
 pub use set_samples::{REPLICATES, sample};
+pub(crate) use set_samples::{coordinate as sample_coordinate, fraction_with_interval};
 pub use stopping::{HalfWidths, StoppingRule};
 pub use stratified::StratifiedCells;
 pub(crate) use survival::rest_or_stop_time;

@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 use nalgebra::Complex;
+use sobol_burley::NUM_DIMENSIONS;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::interval::{Z_95, wilson};
@@ -19,8 +20,14 @@ pub const REPLICATES: u32 = 16;
 
 /// Returns the angles of one sample, one per ball, rad.
 pub fn sample(balls: usize, replicate: u32, index: u32) -> Vec<f64> {
-    let angle = |axis| f64::from(sobol_burley::sample(index, axis, replicate)) * TAU;
-    (0..balls as u32).map(angle).collect()
+    (0..balls).map(|axis| coordinate(axis, replicate, index) * TAU).collect()
+}
+
+/// Returns a coordinate of a sample, in [0, 1).
+pub(crate) fn coordinate(axis: usize, replicate: u32, index: u32) -> f64 {
+    // Axes beyond those of the sequence are other scrambles of the first ones.
+    let (again, axis) = (axis as u32 / NUM_DIMENSIONS, axis as u32 % NUM_DIMENSIONS);
+    f64::from(sobol_burley::sample(index, axis, replicate + REPLICATES * again))
 }
 
 /// Number of samples per scramble in a block.

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::check_legend::legend;
 use crate::analysis::Stability;
 use crate::check::{
-    BalancerFacts, BallPositions, ExaminedDesign, OwnFacts, RestFacts, SteadySliding, SteadyStates,
+    BalancerFacts, BallPositions, ExaminedDesign, OwnFacts, RestFacts, SteadyStates, SteadyValues,
     points_to_examine,
 };
 use crate::model::DerivedQuantity;
@@ -171,13 +171,13 @@ impl<'a> ClosedForms<'a> {
 const STEADY: &str = "held: fraction of the start positions, with all speeds zero, at which friction holds the contacts; steady \
                       sliding:\nwhere all contacts slide and coordinates keep their values or speeds, and whether small motions about it decay\n";
 
-/// Returns states of steady sliding in words; `None` without one.
-fn in_words(sliding: &[SteadySliding]) -> Option<String> {
-    let words = |state: &SteadySliding| {
+/// Returns steady states in words; `None` without one.
+pub(super) fn in_words(sliding: &[SteadyValues]) -> Option<String> {
+    let words = |state: &SteadyValues| {
         let place = state.coordinates.iter().take(MOST_NAMED);
         let place: Vec<String> =
             place.map(|(name, value)| format!("{name} {}", short(*value))).collect();
-        format!("{} at {}", state.stability, place.join(", "))
+        format!("{} at {}", state.stability.name(), place.join(", "))
     };
     let all: Vec<String> = sliding.iter().map(words).collect();
     (!all.is_empty()).then(|| all.join("; "))

@@ -201,53 +201,62 @@ pub fn frictionless_columns(study: &Study, own_speeds: bool) -> Vec<Column<Frict
     list.finish()
 }
 
-/// The tables, open for writing.
-pub struct EquilibriumTables {
+/// The tables, open for writing: rows of positions, of points, and of states.
+pub struct EquilibriumTables<P, S, E> {
     directory: PathBuf,
     /// `equilibrium_positions.parquet`, if it is written.
-    pub positions: Option<TableWriter<SetRow, TableFiles>>,
+    pub positions: Option<TableWriter<P, TableFiles>>,
     /// `equilibrium_set_summary.parquet`.
-    pub sets: TableWriter<SetSummaryRow, TableFiles>,
-    /// `frictionless_equilibria.parquet`.
-    pub frictionless: TableWriter<FrictionlessRow, TableFiles>,
+    pub sets: TableWriter<S, TableFiles>,
+    /// The table of the states.
+    pub states: TableWriter<E, TableFiles>,
 }
 
-impl EquilibriumTables {
-    /// Returns the file names of the tables; `positions` says whether `equilibrium_positions.parquet`, which is large, is one.
-    pub fn names(positions: bool) -> Vec<&'static str> {
-        let positions = positions.then_some("equilibrium_positions.parquet");
-        let others = ["equilibrium_set_summary.parquet", "frictionless_equilibria.parquet"];
-        positions.into_iter().chain(others).collect()
-    }
+/// The columns of [`EquilibriumTables`].
+pub struct EquilibriumColumns<P, S, E> {
+    /// The columns of the positions, if their table, which is large, is written.
+    pub positions: Option<Vec<Column<P>>>,
+    /// The columns of the points.
+    pub sets: Vec<Column<S>>,
+    /// The name of the table of the states, and its columns.
+    pub states: (&'static str, Vec<Column<E>>),
+}
 
-    /// Starts the tables in a directory: with `own_speeds`, the frictionless equilibria are computed at given speeds instead
-    /// of the points of the sweep. The `options` determine the tables and are part of their metadata.
+impl<P, S, E> EquilibriumColumns<P, S, E> {
+    /// Returns the file names of the tables.
+    pub fn files(&self) -> Vec<String> {
+        let positions = self.positions.is_some().then_some("equilibrium_positions");
+        let names = positions.into_iter().chain(["equilibrium_set_summary", self.states.0]);
+        names.map(|name| format!("{name}.parquet")).collect()
+    }
+}
+
+impl<P, S, E> EquilibriumTables<P, S, E> {
+    /// Starts the tables in a directory. The `options` determine the tables and are part of their metadata.
     ///
     /// # Errors
     /// Returns an error if the directory is not writable.
     pub fn create(
         directory: &Path,
         study: &Study,
-        positions: bool,
-        own_speeds: bool,
+        columns: EquilibriumColumns<P, S, E>,
         options: &Value,
     ) -> Result<Self, WriteError> {
         let place = |name: &str| {
             let path = directory.join(format!("{name}.parquet"));
             (path, provenance_with(study, name, options))
         };
-        let positions = positions.then(|| {
+        let positions = columns.positions.map(|columns| {
             let (path, about) = place("equilibrium_positions");
-            TableWriter::create(&path, set_columns(study), &about)
+            TableWriter::create(&path, columns, &about)
         });
         let (sets, of_sets) = place("equilibrium_set_summary");
-        let (frictionless, of_frictionless) = place("frictionless_equilibria");
-        let columns = frictionless_columns(study, own_speeds);
+        let (states, of_states) = place(columns.states.0);
         Ok(EquilibriumTables {
             directory: directory.to_owned(),
             positions: positions.transpose()?,
-            sets: TableWriter::create(&sets, set_summary_columns(study), &of_sets)?,
-            frictionless: TableWriter::create(&frictionless, columns, &of_frictionless)?,
+            sets: TableWriter::create(&sets, columns.sets, &of_sets)?,
+            states: TableWriter::create(&states, columns.states.1, &of_states)?,
         })
     }
 
@@ -262,6 +271,6 @@ impl EquilibriumTables {
             positions.finish_after(false, |files| list.announce(directory, files))?;
         }
         self.sets.finish_after(false, |files| list.announce(directory, files))?;
-        self.frictionless.finish_after(false, |files| list.announce(directory, files))
+        self.states.finish_after(false, |files| list.announce(directory, files))
     }
 }

@@ -4,8 +4,8 @@
 //!
 //! - Read `column` first, then `motion_values`, which has the units of motions. Then read the columns of the tables of a
 //!   study: `runs` has one row per run, and `run_rows` are further tables of runs. `points` has one row per point, and the
-//!   tables of `of_point` have several. `replay` declares the tables of one replayed run, and `equilibrium_set` those of
-//!   `stickslip equilibria`.
+//!   tables of `of_point` have several. `replay` declares the tables of one replayed run, and `equilibrium_set` and
+//!   `steady_states` those of `stickslip equilibria`.
 //! - `durable_files` survive kills and power loss. `file_entry` is a file with its hash, and `manifest` lists the files of a
 //!   directory; `file_list` lists those of a directory without a manifest.
 //! - `writer` turns rows into columns in memory or for files. An `unfinished_table` gets its name last, and `table_files`
@@ -36,6 +36,7 @@ mod run_record;
 mod run_rows;
 mod runs;
 mod shard;
+mod steady_states;
 mod stored_run;
 mod table_error;
 mod table_files;
@@ -49,8 +50,8 @@ pub use durable_files::{
 };
 pub(crate) use durable_files::{is_own, temporary_file};
 pub use equilibrium_set::{
-    EquilibriumTables, FrictionlessRow, SetRow, SetSummaryRow, frictionless_columns, set_columns,
-    set_summary_columns,
+    EquilibriumColumns, EquilibriumTables, FrictionlessRow, SetRow, SetSummaryRow,
+    frictionless_columns, set_columns, set_summary_columns,
 };
 pub(crate) use estimate::add_estimate;
 pub use file_entry::FileEntry;
@@ -76,6 +77,7 @@ pub use run_rows::{EquilibriumRow, StageRow, equilibrium_columns, stage_columns}
 pub(crate) use runs::add_swept;
 pub use runs::{planned_columns, run_columns};
 pub use shard::{Shard, ShardError};
+pub use steady_states::{HeldPositionRow, HeldSetRow, SteadyStateRow, places, steady_columns};
 pub use stored_run::{Difference, StoredRun};
 pub use table_error::TableError;
 pub use table_files::TableFiles;

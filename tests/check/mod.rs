@@ -2,6 +2,7 @@
 
 mod ball_fit;
 mod closed_form;
+mod equilibria;
 mod obstacle;
 mod points;
 mod steady;

@@ -6,7 +6,7 @@ use stickslip::classification::{
 use stickslip::model::{Case, Machine, Model, Simulation};
 use stickslip::study::Study;
 
-use crate::support::{angular_distance, cases_of, parse, shipped};
+use crate::support::{angular_distance, balancer_of_a_file, cases_of, parse, shipped};
 
 /// Returns the outcomes of the runs of a study of this folder, with some texts replaced.
 fn outcomes(name: &str, replaced: &[(&str, &str)]) -> Vec<Outcome> {
@@ -64,23 +64,11 @@ fn a_balancer_of_a_file_ends_as_the_built_one() {
     let mut rests = 0;
     for speed_rad_s in [-160.8103, -216.3772] {
         let machine = Machine { speed_rad_s, ..Machine::default() };
-        let natural = machine.natural_frequency_rad_s();
-        let ball = machine.balls[0];
-        let mass = machine.table_mass_kg + machine.imbalance_mass_kg + 2.0 * ball.mass_kg;
-        let radius = machine.ring_radius_m;
-        let text = format!(
-            "schema: 1\nname: a\nseed: 2003\nmodel:\n  system: systems/ball_balancer.yaml\n  parameters:\n    \
-             omega: {}\n    m: {}\n    imbalance: {}\n    zeta: {}\n    d: {}\n    mu: {}\n\
-             initial_conditions: {{design: {{monte_carlo: {{samples: 48}}}}}}\n\
-             simulation: {{end_time_s: {}}}\n",
-            speed_rad_s / natural,
-            ball.mass_kg / mass,
-            machine.imbalance_mass_kg * machine.imbalance_radius_m / (mass * radius),
-            machine.damping_n_s_m / (2.0 * mass * natural),
-            ball.diameter_m / radius,
-            ball.friction_coefficient,
-            16.5 * natural,
-        );
+        let end = 16.5 * machine.natural_frequency_rad_s();
+        let text = balancer_of_a_file(&machine)
+            + &format!(
+                "initial_conditions: {{design: {{monte_carlo: {{samples: 48}}}}}}\nsimulation: {{end_time_s: {end}}}\n"
+            );
         for (run, written) in cases_of(&parse(text)).into_iter().enumerate() {
             let (model, start) = (machine.clone().into(), written.start.clone());
             let built = simulate(&Case { model, start, simulation: Simulation::default() });

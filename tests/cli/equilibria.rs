@@ -9,6 +9,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use super::support::{
     AT_ONCE, Scratch, assert_has, column, counts, names, numbers, study_text, words,
 };
+use crate::support::shipped;
 use crate::table::contract::listed;
 
 const SWEEP: &str = "sweep:\n\
@@ -217,6 +218,7 @@ fn wrong_arguments_are_refused_before_anything_is_computed() {
     let grid = format!("speed_rad_s: [{}], stiffness_n_m: [{}]", values(100), values(9000));
     let sweep = format!("sweep: [{{grid: {{{grid}}}}}]\n");
     scratch.write("many.yaml", study(&sweep));
+    scratch.write("block.yaml", study("model: {kind: block_on_spring}\n"));
     scratch.refuses(
         "equilibria",
         r#"a.yaml --grid 1000000 ¦ 1000000 points per axis: 1000000000000 in all ¦ at most 8192
@@ -244,9 +246,21 @@ a.yaml --speeds 1:inf:5 ¦ the speeds "1" and "inf" ¦ numbers up to
 a.yaml --ball-damping 0 ¦ found "0" ¦ a number above 0, up to 100000
 a.yaml --ball-damping -1 ¦ found "-1" ¦ a number above 0
 a.yaml --ball-damping nan ¦ found "nan" ¦ a number above 0
+block.yaml --grid 64 ¦ --grid serves the ball balancer ¦ a study of kind block_on_spring ¦ --samples SAMPLES
+block.yaml --speeds 1:2:3 ¦ --speeds serves the ball balancer
+block.yaml --ball-damping 1 ¦ --ball-damping serves the ball balancer
 a.yaml --threads 0 ¦ found "0" ¦ a whole number from 1
 missing.yaml ¦ missing.yaml"#,
     );
+}
+
+#[test]
+fn systems_without_equilibrium_sets_are_refused() {
+    let scratch = Scratch::new();
+    let study = format!("equilibria {}", shipped("woodpecker.yaml").display());
+    let parts = ["systems that do not change with time", "a system with contacts that open"];
+    scratch.refused(&study, &[&parts[..], &["`stickslip run`"]].concat());
+    assert!(scratch.names(".").is_empty(), "nothing is written");
 }
 
 /// With contact, positions at which balls overlap are outside the set, and the touching positions are counted on their own.
@@ -272,4 +286,41 @@ fn a_study_with_contact_has_its_own_sets() {
     assert_eq!(counts(&sets, "grid_positions"), [possible]);
     let touching = numbers(&sets, "touching_fraction")[0].unwrap();
     assert!(touching > 0.0 && touching <= 1.0, "{touching}");
+}
+
+/// A block on a spring, whose friction differs from point to point.
+#[test]
+fn a_system_without_balls_has_positions_sets_and_states() {
+    let scratch = Scratch::with(study(
+        "model: {kind: block_on_belt, parameters: {belt_speed_m_s: 0.2}}\nsweep: [{grid: {friction_coefficient: [0, 0.1]}}]\n",
+    ));
+    scratch.write("held.yaml", study("model: {kind: block_on_spring}\n"));
+    scratch.prints(
+        "equilibria a.yaml --samples 1024 --out slides",
+        &["steady sliding", "marginal at position_m 0.01"],
+    );
+    let sets = scratch.table("slides", "equilibrium_set_summary");
+    assert_eq!(
+        (counts(&sets, "examined_positions"), numbers(&sets, "fraction")),
+        (vec![1024; 2], vec![None; 2])
+    );
+    assert_eq!(
+        scratch.table("slides", "equilibrium_positions").num_rows(),
+        0,
+        "all contacts slide"
+    );
+    let states = scratch.table("slides", "steady_states");
+    let kinds: Vec<_> = words(&states, "kind").into_iter().flatten().collect();
+    assert_eq!(kinds, ["sliding", "without_friction", "sliding", "without_friction"]);
+    let close = |found: Vec<Option<f64>>, expected: [f64; 4]| {
+        found.iter().zip(expected).all(|(found, expected)| (found.unwrap() - expected).abs() < 1e-9)
+    };
+    assert!(close(numbers(&states, "position_m"), [0.0, 0.0, 0.01, 0.0]), "{states:?}");
+    assert!(close(numbers(&states, "eigenvalue_1_imag_rad_s"), [10.0; 4]), "{states:?}");
+
+    scratch.well("equilibria held.yaml --samples 1024 --no-set --out held");
+    let sets = scratch.table("held", "equilibrium_set_summary");
+    assert!((numbers(&sets, "fraction")[0].unwrap() - 0.1).abs() < 0.01, "{sets:?}");
+    let names = ["equilibrium_set_summary.parquet", "files.json", "steady_states.parquet"];
+    assert_eq!(scratch.names("held"), names.map(String::from).into_iter().collect());
 }

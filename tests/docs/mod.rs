@@ -92,6 +92,10 @@ fn output_of_equilibria() {
     let printed = scratch.well(&format!("equilibria {} {options}", thesis()));
     assert_eq!(printed, block_after(EQUILIBRIA, "<!-- tested: equilibria -->"));
     named::columns_are_on_pages(&scratch.path("sets"));
+    let printed = scratch
+        .well(&format!("equilibria {} --out block", shipped("block-on-spring.yaml").display()));
+    assert_eq!(printed, block_after(EQUILIBRIA, "<!-- tested: equilibria-of-a-system -->"));
+    named::columns_are_on_pages(&scratch.path("block"));
 }
 
 /// The page on `check` has its output for the thesis's study, which has no warnings.

@@ -23,7 +23,7 @@ pub use own_system::OwnSystem;
 pub use places::places;
 pub use required_friction::{required_friction, rest_margin};
 pub use shipped::{shipped, shipped_study, study_files};
-pub use studies::{cases_of, parse};
+pub use studies::{balancer_of_a_file, cases_of, parse};
 pub use systems::{
     METHODS, example_law, for_each_kernel, go_on, settings, shared, spread_start, start_of,
     started, state_of,

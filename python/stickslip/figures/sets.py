@@ -73,13 +73,13 @@ class EquilibriumSets:
     def __init__(self, directory: Source) -> None:
         self.directory = Directory(directory)
         self.positions = self.directory.table("equilibrium_positions")
-        self.positions.need(["point_id", "amplitude_m", "friction_margin"])
         balls = sum(1 for name in self.positions.columns if name.startswith("beta_"))
         if balls != 2:
             raise self.positions.nothing(
                 f"its positions have {balls} ball{'s' * (balls != 1)}, and the figure needs two",
                 "compute the equilibria of a study with two balls",
             )
+        self.positions.need(["point_id", "amplitude_m", "friction_margin"])
         if self.positions.about.get("options", {}).get("samples"):
             raise self.positions.nothing(
                 "its positions are random samples, and the figure needs a grid",
