@@ -22,14 +22,14 @@
 //!
 //! with the guard `h` of the event: a neighbour meets it by `τ` later.
 //!
-//! If several contacts switch at the same instant (balls side by side by symmetry), the motion of a
-//! neighbour depends on which of its contacts comes first; the condition that the motion itself has
-//! met first is then used for all of them.
+//! If the conditions of several contacts fail at the same instant (blocks that move together), neighbours meet them one after
+//! another, in any order: the jumps follow each other. If the result depends on the order, neighbours' motions differ by more
+//! than first order, as at a condition that is met by grazing.
 
-use smallvec::smallvec;
+use smallvec::{SmallVec, smallvec};
 
 use super::condition::Condition;
-use super::joint_decision::ForceModel;
+use super::joint_decision::{ForceModel, stick_reserve};
 use super::touching_system::TouchingSystem;
 use super::{Evaluator, Phase, Phases};
 use crate::model::{Components, Dual};
@@ -43,9 +43,75 @@ const GRAZING: f64 = 1e-12;
 /// located.
 const NO_JUMP: f64 = 1e-8;
 
+/// The largest difference between the results of two orders of switches that is rounding, over the larger result.
+const SAME_RESULT: f64 = 1e-6;
+
 /// Propagates a perturbation over a switch at which the phases `before` ended because a condition of a contact
-/// failed and the phases `after` began. Returns whether the switch was met by grazing.
+/// failed and the phases `after` began. Returns whether the switch was met by grazing, or whether neighbours' motions depend on the
+/// order in which their contacts switch.
 pub(super) fn saltation(
+    system: &dyn ForceModel,
+    [before, after]: [&[Phase]; 2],
+    failed: (usize, usize),
+    direction: &mut [f64],
+) -> bool {
+    let mut switches: SmallVec<[(usize, usize); 2]> = smallvec![failed];
+    let others = (0..after.len()).filter(|contact| *contact != failed.0);
+    switches.extend(others.filter_map(|contact| {
+        let which = fails_itself(system, [before, after], contact)?;
+        Some((contact, which))
+    }));
+    let pass = |order: &mut dyn Iterator<Item = &(usize, usize)>, direction: &mut [f64]| {
+        let (mut now, mut grazes) = (Phases::from(before), false);
+        for (number, switch) in order.enumerate() {
+            // What a contact does because of others comes with the last switch.
+            let mut next = now.clone();
+            match number + 1 == switches.len() {
+                true => next.copy_from_slice(after),
+                false => next[switch.0] = after[switch.0],
+            }
+            grazes |= saltation_of(system, [&now, &next], *switch, direction);
+            now = next;
+        }
+        grazes
+    };
+    if switches.len() == 1 {
+        return pass(&mut switches.iter(), direction);
+    }
+    let mut reversed = Components::from(&*direction);
+    let grazes =
+        pass(&mut switches.iter(), direction) | pass(&mut switches.iter().rev(), &mut reversed);
+    let largest =
+        |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, |most: f64, of| most.max(of.abs()));
+    let differs = largest(&mut direction.iter().zip(&reversed).map(|(left, right)| left - right));
+    grazes || differs > SAME_RESULT * largest(&mut direction.iter().copied())
+}
+
+/// Returns which condition of a contact fails by itself where it switches from one phase to another, not only because another
+/// contact switches.
+fn fails_itself(
+    system: &dyn ForceModel,
+    [before, after]: [&[Phase]; 2],
+    contact: usize,
+) -> Option<usize> {
+    let small = NO_JUMP * system.force_scale();
+    match (before[contact], after[contact]) {
+        (before, after) if before == after => None,
+        (Phase::Slip(_), _) | (Phase::Transition(_), Phase::Slip(_)) => Some(0),
+        (Phase::Transition(_), Phase::Stick) => {
+            (system.forces(before)[contact].acceleration.abs() <= small).then_some(1)
+        }
+        (Phase::Stick, Phase::Slip(_) | Phase::Transition(_)) => {
+            let forces = system.forces(before);
+            let is_at_limit = stick_reserve(system, &forces, contact) <= small;
+            is_at_limit.then_some(if forces[contact].friction > 0.0 { 0 } else { 1 })
+        }
+        _ => None,
+    }
+}
+
+/// Propagates a perturbation over the switch of one contact like [`saltation`].
+fn saltation_of(
     system: &dyn ForceModel,
     [before, after]: [&[Phase]; 2],
     (contact, which): (usize, usize),

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use stickslip::classification::{Outcome, simulate};
+use stickslip::classification::{Label, Outcome, simulate};
 use stickslip::model::{Balancer, Case, Machine, Method, Simulation, Start, State, System};
 use stickslip::motion::{Phase, Settings, Tolerance};
 
 use super::outputs;
-use crate::support::{shared, start_of, started};
+use crate::support::{cases_of, parse, shared, start_of, started};
 
 const FINE: Settings = Settings {
     method: Method::Event,
@@ -187,4 +187,44 @@ contacts: {ground: {normal: 1, sliding: x', friction: {stribeck: {coefficient: m
         }
     }
     assert!(cycles >= 30, "{cycles}");
+}
+
+/// Two blocks on a belt that start alike stick, break away and stop together, and neighbours do so one after the other. A difference
+/// `d` of their places keeps its speed zero in stick. The one block breaks away later by `(k + 2 c) d / (k v)` with the stiffness
+/// `c` between them, and loses the speed `F / m` per time before the other one does, with the jump `F` of friction. In slip the
+/// difference is an oscillation with the frequency of `k + 2 c`. The blocks move as one block does, whose own multiplier is 0.
+#[test]
+fn contacts_that_switch_together_switch_one_after_another_nearby() {
+    let couplings = [0.0_f64, 1.0, 5.0, 20.0, 50.0, 120.0];
+    let (stiffness, belt_speed, jump) = (100.0_f64, 0.1, 1.0);
+    let angle = (jump / (stiffness.sqrt() * belt_speed)).atan();
+    let slips = 2.0 * (std::f64::consts::PI - angle) / stiffness.sqrt();
+    for (method, accuracy) in [("event", 1e-7), ("switch", 1e-4)] {
+        let study = parse(format!(
+            "schema: 1\nname: a\nseed: 1\nmodel: {{system: systems/block_chain.yaml, parameters: {{blocks: 2}}}}\n\
+             sweep: [{{grid: {{coupling_stiffness_n_m: {couplings:?}}}}}]\n\
+             initial_conditions: {{design: {{monte_carlo: {{samples: 1}}}}, box: {{x_1_m: [0.05, 0.05], x_2_m: [0.05, 0.05], \
+             x_rate_1_m_s: [0, 0], x_rate_2_m_s: [0, 0]}}}}\n\
+             simulation: {{method: {method}, end_time_s: 100}}\n"
+        ));
+        for (case, coupling) in cases_of(&study).iter().zip(couplings) {
+            let outcome = simulate(case);
+            let frequency = (stiffness + 2.0 * coupling).sqrt();
+            let (sine, cosine) = (frequency * slips).sin_cos();
+            let parted = jump * (stiffness + 2.0 * coupling) / (stiffness * belt_speed);
+            let expected = (cosine - parted * sine / frequency).abs();
+            let found = &outcome.evidence.cycle().expect("a cycle").multipliers;
+            let largest = found.first().copied().unwrap_or(f64::NAN);
+            assert!(
+                (largest - expected).abs() < accuracy,
+                "{method} {coupling}: {found:?} {expected}"
+            );
+            let label = match expected {
+                _ if coupling == 0.0 => Label::Periodic,
+                _ if expected < 1.0 => Label::LimitCycle,
+                _ => Label::Undecided,
+            };
+            assert_eq!(outcome.label(), label, "{method} {coupling}: {outcome:?}");
+        }
+    }
 }
