@@ -6,7 +6,7 @@ use nalgebra::{Complex, Dyn, SVD};
 use serde::Serialize;
 
 use crate::analysis::{SmallMotions, Stability};
-use crate::model::{Model, Translation, Translations, Units, wrap_to_two_pi};
+use crate::model::{Model, Translations, Units, wrap_to_two_pi};
 use crate::motion::{Direction, Evaluator, Phase, Phases, ReducedEquations};
 
 /// The most steps of Newton's method, and the size of the last of them, over 1 and the largest component.
@@ -177,14 +177,8 @@ impl<'e> SteadyState<'e> {
         // A kind in Rust may have no outputs.
         let count =
             now.len().min(self.evaluator.graph().layout.velocities.iter().flatten().count());
-        let displaced = |translation: &Translation| {
-            let displaced = |place: usize| self.state[place] + translation.of(place);
-            outputs(&(0..self.state.len()).map(displaced).collect::<Vec<_>>())
-        };
-        let displaced: Vec<_> = self.reduced.translations.0.iter().map(displaced).collect();
-        let is_displaced =
-            |number: usize| displaced.iter().any(|of| (of[number] - now[number]).abs() > ROUNDING);
-        let constant = |number: usize| match is_displaced(number) {
+        let displaced = self.reduced.translations.changed(&self.state, outputs);
+        let constant = |number: usize| match displaced[number] {
             true => {
                 let rate = count + number;
                 (rate, now.get(rate).copied().unwrap_or_default())

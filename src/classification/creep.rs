@@ -10,7 +10,8 @@
 //! - all balls are slow (below 1e-6 of the natural frequency, or below the band if that is wider),
 //!   at the start and throughout the test period;
 //! - the table is at the rest point for the balls' positions, and the tangential force there
-//!   exceeds the friction limit only slightly;
+//!   exceeds the friction limit only slightly; or the equations of sliding have a stable equilibrium nearby, at which the speeds
+//!   vanish and friction is just able to hold the contacts;
 //! - the balls hardly drift, and do not accelerate from the first half of the test period to the
 //!   second.
 

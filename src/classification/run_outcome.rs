@@ -10,7 +10,7 @@ use super::lane_run::LaneRun;
 use super::lane_step::LaneStep;
 use super::outcome::{ClosedOrbit, Evidence, LyapunovExponent, Outcome, Rest, TouchingOutcome};
 use super::output_watch::OutputOutcome;
-use super::settled::SLOW;
+use super::settled::{SLOW, approaches_edge};
 use super::system_view::ContactPlace;
 use crate::model::{ContactUnits, OutputValue};
 use crate::motion::lockstep::LaneGroup;
@@ -36,7 +36,7 @@ impl LaneRun {
         let position = self.view.wrapped(&group.state(lane));
         let position = self.units.of_contacts(&position, |unit| unit.position);
         let outputs = self.outputs(&ending, &step);
-        let amplitude_m = self.amplitude_of_outputs(&outputs);
+        let amplitude_m = self.amplitude_of_outputs(&outputs, (&ending, &group.state(lane)));
         let base = Outcome {
             end_time_s: Some(step.time() / natural),
             extended: self.extended,
@@ -160,10 +160,23 @@ impl LaneRun {
     }
 
     /// Returns the largest amplitude of the coordinates that are lengths, m; `None` if there is none, or if all of them drift.
-    fn amplitude_of_outputs(&self, outputs: &[OutputOutcome]) -> Option<f64> {
-        let measured =
-            outputs.iter().zip(&self.units.outputs).filter(|(_, units)| units.has_amplitude);
-        measured.filter_map(|(output, _)| output.value(OutputValue::Amplitude)).reduce(f64::max)
+    fn amplitude_of_outputs(
+        &self,
+        outputs: &[OutputOutcome],
+        (ending, state): (&Ending, &[f64]),
+    ) -> Option<f64> {
+        // Until the end time, a coordinate moves on with a translation.
+        let drifts = match ending {
+            Ending::EndTime => {
+                self.view.translations.changed(state, |state| self.view.system().outputs(state))
+            }
+            _ => vec![false; outputs.len()],
+        };
+        let measured = outputs.iter().zip(&self.units.outputs).zip(&drifts);
+        let measured = measured.filter(|((_, units), drifts)| units.has_amplitude && !**drifts);
+        measured
+            .filter_map(|((output, _), _)| output.value(OutputValue::Amplitude))
+            .reduce(f64::max)
     }
 
     /// Returns an ending, or that the mass matrix is no longer one of a mechanical system. A motion cannot be continued where the
@@ -269,7 +282,11 @@ impl LaneRun {
     fn creeps(&self, step: &LaneStep) -> bool {
         let LaneStep { group, lane, view } = *step;
         let slow = group.slow_since(lane).iter().all(|since| *since < step.time());
-        let may = || view.rest_forms().is_some_and(|forms| may_creep(forms, &group.state(lane)));
+        let state = group.state(lane);
+        let may = || {
+            view.rest_forms().is_some_and(|forms| may_creep(forms, &state))
+                || approaches_edge(view, group.phases(lane), &state)
+        };
         slow && may() && group.copy(lane).is_some_and(|saved| creeps(Motion::resume(&saved)))
     }
 

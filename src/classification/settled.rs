@@ -10,7 +10,7 @@
 //! - all eigenvalues of the equations linearised there lie left of the
 //!   imaginary axis, except for the zeros of a family of equilibria, as of three or more balls that
 //!   can balance in many positions: one zero for each independent displacement of bodies without
-//!   any force;
+//!   any force, and for each change of speeds that nothing notices;
 //! - friction holds there each contact that sticks, with a reserve.
 //!
 //! Bodies that touch move together and are one body here; the forces between them must press.
@@ -38,6 +38,8 @@ const NEUTRAL: f64 = 1e-9;
 /// by one body that counts.
 const NO_FORCE: f64 = 1e-6;
 const LEAST_FORCE: f64 = 1e-5;
+/// A combined change of speeds that changes rates by at most this is not noticed, as the common speed of discs without drag.
+const UNNOTICED: f64 = 1e-12;
 /// A contact that slides at an equilibrium is at least this fast, so that it will not stick. An open contact is at least this wide.
 const SLIDES: f64 = 1e-3;
 /// At an equilibrium, each contact that sticks has at least this part of its friction in reserve.
@@ -83,7 +85,7 @@ impl SettledWatch {
             return None;
         }
         self.next = 1.5 * time;
-        let place = equilibrium(view, &at_rest(view, phases, state), state)?;
+        let place = equilibrium(view, &at_rest(view, phases, state), state, RESERVE)?;
         // A body that rolls out still has a way to go.
         let there = view.evaluator.rates(phases, &place);
         let here = view.evaluator.rates(phases, state);
@@ -129,10 +131,10 @@ fn may_settle(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     (!all_stick || may_roll()) && resting.iter().enumerate().all(lasts)
 }
 
-/// Returns whether the forces between contacts that touch press, and friction holds the contacts that stick.
-fn is_held(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
+/// Returns whether the forces between contacts that touch press, and friction holds the contacts that stick with more than a reserve.
+fn is_held(view: &SystemView, phases: &[Phase], state: &[f64], reserve: f64) -> bool {
     let margin = friction_margin(view, phases, state);
-    if margin.is_some_and(|margin| margin.is_nan() || margin <= RESERVE) {
+    if margin.is_some_and(|margin| margin.is_nan() || margin <= reserve) {
         return false;
     }
     let (_, gaps) = view.evaluator.incremental_forces(state).forces_and_gaps(phases);
@@ -140,11 +142,23 @@ fn is_held(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
     closed.filter(|(phase, _)| **phase == Phase::Closed).all(|(_, gap)| gap.force > 0.0)
 }
 
-/// Returns the stable equilibrium near a state; `None` without one, or if that cannot be computed.
-fn equilibrium(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<Components> {
+/// Returns whether a state in which contacts slide ever more slowly approaches an equilibrium at which they stop: friction is just able
+/// to hold them there.
+pub(super) fn approaches_edge(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
+    equilibrium(view, phases, state, -RESERVE).is_some()
+}
+
+/// Returns the stable equilibrium near a state at which friction holds contacts with more than a reserve; `None` without one, or if
+/// that cannot be computed.
+fn equilibrium(
+    view: &SystemView,
+    phases: &[Phase],
+    state: &[f64],
+    reserve: f64,
+) -> Option<Components> {
     let reduced = ReducedEquations::new(&view.evaluator, phases, &view.translations);
     if reduced.variables.is_empty() {
-        return is_held(view, phases, state).then(|| Components::from(state));
+        return is_held(view, phases, state, reserve).then(|| Components::from(state));
     }
     let slopes = |place: &[f64]| {
         let slopes = Some(reduced.slopes(place));
@@ -168,7 +182,7 @@ fn equilibrium(view: &SystemView, phases: &[Phase], state: &[f64]) -> Option<Com
         }
     }
     let is_there = reduced.rates(&place).amax() <= 1e-3 * SLOW && last <= THERE;
-    if !is_there || !is_held(view, phases, &place) {
+    if !is_there || !is_held(view, phases, &place, reserve) {
         return None;
     }
     let (slopes, family) = slopes(&place)?;
@@ -204,8 +218,8 @@ fn newton_step(
     Some(step)
 }
 
-/// Returns the number of independent displacements of bodies without any force; `None` if the
-/// displacement of some body hardly changes the forces.
+/// Returns the number of independent displacements of bodies without any force, and of changes of speeds that no force and no other
+/// rate notices; `None` if the displacement of some body hardly changes the forces.
 fn family_dimension(
     view: &SystemView,
     variables: &[usize],
@@ -214,14 +228,20 @@ fn family_dimension(
     let velocities = &view.evaluator.graph().layout.velocities;
     let is_position =
         |column: &usize| !velocities.iter().any(|group| group.contains(&variables[*column]));
-    let places = (0..variables.len()).filter(is_position);
-    let columns: Option<Vec<DVector<f64>>> =
-        places.map(|place| slopes.column(place).into_owned().try_normalize(LEAST_FORCE)).collect();
-    let columns = columns?;
+    let (places, speeds): (Vec<usize>, Vec<usize>) = (0..variables.len()).partition(is_position);
+    let columns: Option<Vec<DVector<f64>>> = (places.iter())
+        .map(|place| slopes.column(*place).into_owned().try_normalize(LEAST_FORCE))
+        .collect();
+    let speeds = speeds.iter().map(|place| slopes.column(*place).into_owned()).collect();
+    Some(dependent(columns?, NO_FORCE)? + dependent(speeds, UNNOTICED)?)
+}
+
+/// Returns the number of singular values of columns up to a limit; `None` if they cannot be computed.
+fn dependent(columns: Vec<DVector<f64>>, limit: f64) -> Option<usize> {
     if columns.is_empty() {
         return Some(0);
     }
-    let decomposed =
-        SVD::try_new(DMatrix::from_columns(&columns), false, false, f64::EPSILON, 10_000)?;
-    Some(decomposed.singular_values.iter().filter(|value| **value <= NO_FORCE).count())
+    let columns = DMatrix::from_columns(&columns);
+    let decomposed = SVD::try_new(columns, false, false, f64::EPSILON, 10_000)?;
+    Some(decomposed.singular_values.iter().filter(|value| **value <= limit).count())
 }

@@ -269,6 +269,76 @@ contacts: {{clutch: {{normal: load, sliding: mot' - cl', friction: {{coulomb: {{
     }
 }
 
+/// A clutch locks two discs, and nothing brakes them: their common speed follows from their angular momentum, and nothing changes it.
+#[test]
+fn locked_discs_turn_on_without_drag() {
+    let system = "parameters: {j_1: 0.4, j_2: 0.1, torque: 2}
+coordinates:
+  first: {unit: rad, start: 0, start_rate: [5, 50], periodic: true}
+  second: {unit: rad, start: 0, start_rate: [-20, 20], periodic: true}
+mass: {first: {first: j_1}, second: {second: j_2}}
+contacts: {clutch: {normal: torque, sliding: first' - second', friction: {coulomb: {coefficient: 1}}}}";
+    for method in [Method::Switch, Method::Event] {
+        for (outcome, case) in runs(system, 6, 100.0, method).iter().zip(cases(system, 6, 100.0)) {
+            let [_, _, first, second] = case.start.0[..] else { panic!("two discs") };
+            let common = (0.4 * first + 0.1 * second) / 0.5;
+            assert!(matches!(outcome.evidence, Evidence::Settled(_)), "{outcome:?}");
+            for number in [2, 3] {
+                let found = outcome.outputs[number].end;
+                assert!((found - common).abs() < 1e-7 * common.abs(), "{found} is not {common}");
+            }
+        }
+    }
+}
+
+/// The stem of a valve, which a controller with an integral moves against friction that does not fall: it slides ever more slowly towards
+/// the place at which the controller has no error, while its force approaches the friction.
+#[test]
+fn a_controller_pushes_a_stem_to_the_edge_of_sticking() {
+    let system = "parameters: {ki: 0.1}
+coordinates:
+  x: {start: [0.2, 0.8]}
+  yint: {start: 0, start_rate: [-0.5, 0.5], rate: y}
+mass: {x: {x: 1}, yint: {yint: 1}}
+force:
+  x: 100 * (-yint' - ki * yint - x) - 5 * x'
+  yint: (2 * x - yint' - 1) / 5
+contacts: {packing: {normal: 4, sliding: x', friction: {coulomb: {coefficient: 1}}}}";
+    for method in [Method::Switch, Method::Event] {
+        for outcome in runs(system, 6, 600.0, method) {
+            assert!(matches!(outcome.evidence, Evidence::Creep(_)), "{outcome:?}");
+            assert!((outcome.outputs[0].end - 0.5).abs() < 1e-6, "{outcome:?}");
+        }
+    }
+}
+
+/// A block is pulled over a table for too short a time to decide anything: how far it drifts in this time is no amplitude.
+#[test]
+fn the_drift_of_an_undecided_run_is_no_amplitude() {
+    let system = |more: &str| {
+        format!(
+            "{PULLED}
+coordinates: {{x: {{unit: m, start: 0, start_rate: [0, 0.2]}}{more}}}
+mass: {{x: {{x: m}}{}}}
+force: {{x: \"k * (v * t - x) + c * (v - x')\"{}}}
+contacts: {{table: {{normal: load, sliding: x', friction: {LAW}}}}}",
+            if more.is_empty() { "" } else { ", y: {y: m}" },
+            if more.is_empty() { "" } else { ", y: -k * y" },
+        )
+    };
+    let amplitudes = |more: &str| -> Vec<Option<f64>> {
+        let found = runs(&system(more), 3, 1.5, Method::Event);
+        assert!(found.iter().all(|outcome| outcome.evidence == Evidence::EndTime), "{found:?}");
+        found.iter().map(|outcome| outcome.amplitude_m).collect()
+    };
+    assert_eq!(amplitudes(""), [None; 3]);
+    // A part that vibrates has one.
+    for amplitude in amplitudes(", y: {unit: m, start: 0.5}") {
+        let amplitude = amplitude.expect("it vibrates");
+        assert!((0.05..=0.5).contains(&amplitude), "{amplitude}");
+    }
+}
+
 /// A wheel that a torque drives against a drag slips and then rolls, its contact stuck, at the speed `torque / (r drag)`.
 #[test]
 fn a_wheel_rolls_on() {

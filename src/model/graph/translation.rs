@@ -4,8 +4,13 @@
 //! to repeat (J. E. Marsden, T. S. Ratiu, *Introduction to Mechanics and Symmetry*, 2nd ed., Springer 1999,
 //! doi:10.1007/978-0-387-21792-5). The time may be displaced, too: in `k (v t - x)`, it and the position grow together.
 
+use crate::model::Components;
+
 /// A sum below this part of its first summand is rounding.
 const ROUNDING: f64 = 1e-12;
+
+/// A value that changes by more than this along a translation by 1 is not constant, but for rounding.
+const CHANGED: f64 = 1e-9;
 
 /// A translation of states.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +97,19 @@ impl Translations {
         }
         let carried = self.carriers(component).map(|(pivot, by)| by * state(pivot));
         state(component) - carried.sum::<f64>()
+    }
+
+    /// Returns which of the values that a function has in a state change along the translations.
+    pub fn changed(&self, state: &[f64], values: impl Fn(&[f64]) -> Components) -> Vec<bool> {
+        let along = |one: &Translation| {
+            let places = state.iter().enumerate();
+            values(&places.map(|(place, value)| value + one.of(place)).collect::<Components>())
+        };
+        let (now, along): (_, Vec<Components>) =
+            (values(state), self.0.iter().map(along).collect());
+        let changes =
+            |number: usize| along.iter().any(|of| (of[number] - now[number]).abs() > CHANGED);
+        (0..now.len()).map(changes).collect()
     }
 
     /// Returns what remains of all components.
