@@ -15,6 +15,8 @@ pub struct HeldSet {
     /// The fraction of the start positions at which friction holds all contacts that do not slide, with its 95 % interval; `None` if
     /// all contacts slide there.
     pub fraction: Option<(f64, (f64, f64))>,
+    /// Which coordinates are angles that go round.
+    angular: Vec<bool>,
 }
 
 impl HeldSet {
@@ -34,15 +36,19 @@ impl HeldSet {
         HeldSet {
             examined: u64::from(REPLICATES) * u64::from(samples),
             positions: scrambles.concat(),
+            angular: search.units.outputs.iter().map(|units| units.angular).collect(),
             fraction: may_hold.then(|| fraction_with_interval(&fractions, samples)),
         }
     }
 
-    /// Returns the least and the greatest value of each coordinate in the set; none in an empty set.
+    /// Returns the least and the greatest value of each coordinate in the set, which an angle does not have; none in an empty set.
     pub fn extremes(&self) -> Vec<[f64; 2]> {
         let held = || self.positions.iter().filter(|position| position.is_held());
         let count = held().next().map_or(0, |position| position.coordinates.len());
         let extremes = |place: usize| {
+            if self.angular.get(place) == Some(&true) {
+                return [f64::NAN; 2];
+            }
             let values = held().map(|position| position.coordinates[place]);
             let widen = |[least, most]: [f64; 2], value: f64| [least.min(value), most.max(value)];
             values.fold([f64::INFINITY, f64::NEG_INFINITY], widen)

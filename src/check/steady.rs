@@ -115,6 +115,9 @@ impl<'m> SteadySearch<'m> {
 
     /// Returns the states in which all contacts slide and no coordinate moves, or coordinates move on at constant speeds.
     pub fn sliding(&self) -> Vec<SteadyValues> {
+        if self.evaluator.graph().contacts.is_empty() {
+            return Vec::new();
+        }
         let goes_on = self.translations != Translations::default();
         let from = |number: usize| {
             let still = self.start(|place| sample(number, place), false);

@@ -16,8 +16,10 @@ const THERE: f64 = 1e-10;
 const MOST_ITERATIONS: usize = 10_000;
 /// Steady states nearer to each other than this, non-dimensional, are one.
 pub(super) const SAME: f64 = 1e-6;
-/// Real parts of eigenvalues, and singular values, up to this, over the norm of the matrix, are rounding.
+/// Real parts of eigenvalues up to this, over the norm of the matrix, are rounding.
 const ROUNDING: f64 = 1e-9;
+/// Singular values up to this, over the largest one, are rounding.
+const SINGULAR: f64 = 1e-13;
 /// Contacts that slide more slowly than this, non-dimensional, while no coordinate moves, stick.
 const STILL: f64 = 1e-12;
 
@@ -103,28 +105,31 @@ impl<'e> SteadyState<'e> {
 
     /// Changes the variables to where their rates vanish; returns whether there is such a place.
     pub(super) fn settles(&mut self) -> bool {
+        let (mut is_there, mut steepness) = (self.reduced.variables.is_empty(), 1.0_f64);
         for _ in 0..MOST_STEPS {
-            if self.reduced.variables.is_empty() {
+            if is_there {
                 break;
             }
             // In a family of equilibria, the shortest step is taken.
             let Some(slopes) = self.decomposed() else { return false };
-            let rounding = ROUNDING * slopes.singular_values.amax();
-            let Ok(step) = slopes.solve(&-self.reduced.rates(&self.state), rounding) else {
-                return false;
-            };
+            steepness = slopes.singular_values.amax().max(1.0);
+            let rates = -self.reduced.rates(&self.state);
+            let Ok(step) = slopes.solve(&rates, SINGULAR * steepness) else { return false };
             if !step.iter().all(|entry| entry.is_finite()) {
                 return false;
             }
             self.reduced.displace(&mut self.state, &step);
             let variables = self.reduced.variables.iter();
             let largest = variables.fold(1.0_f64, |most, of| most.max(self.state[*of].abs()));
-            if step.amax() <= THERE * largest {
-                break;
-            }
+            is_there = step.amax() <= THERE * largest;
         }
         // A component that only time moves is no steady state.
-        self.reduced.all_rates(&self.state).iter().all(|rate| rate.abs() <= THERE)
+        let rates = self.reduced.all_rates(&self.state);
+        let vanishes = |(place, rate): (usize, &f64)| {
+            let is_variable = self.reduced.variables.contains(&place);
+            rate.abs() <= if is_variable { THERE * steepness } else { THERE }
+        };
+        is_there && rates.iter().enumerate().all(vanishes)
     }
 
     /// Returns the singular values of the derivatives of the rates; `None` without a variable, or if an entry is not finite.
@@ -200,7 +205,7 @@ impl<'e> SteadyState<'e> {
     pub(super) fn values(&self, model: &Model, units: &Units) -> Option<(SteadyValues, Vec<f64>)> {
         let slopes = self.reduced.slopes(&self.state);
         let singular = self.decomposed()?.singular_values;
-        let vanishes = |value: &&f64| **value <= ROUNDING * singular.amax();
+        let vanishes = |value: &&f64| **value <= SINGULAR * singular.amax();
         let family_dimension = singular.iter().filter(vanishes).count();
         let SmallMotions { eigenvalues, stability } =
             SmallMotions::of(&slopes, ROUNDING * slopes.norm(), family_dimension);

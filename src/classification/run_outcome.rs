@@ -165,18 +165,23 @@ impl LaneRun {
         outputs: &[OutputOutcome],
         (ending, state): (&Ending, &[f64]),
     ) -> Option<f64> {
-        // Until the end time, a coordinate moves on with a translation.
-        let drifts = match ending {
-            Ending::EndTime => {
-                self.view.translations.changed(state, |state| self.view.system().outputs(state))
-            }
-            _ => vec![false; outputs.len()],
+        // Until the end time, a coordinate may move on with a translation.
+        let (changed, ends) = match ending {
+            Ending::EndTime => (
+                self.view.translations.changed(state, |state| self.view.system().outputs(state)),
+                self.horizons.now.statistics.outputs.displaced(),
+            ),
+            _ => Default::default(),
         };
-        let measured = outputs.iter().zip(&self.units.outputs).zip(&drifts);
-        let measured = measured.filter(|((_, units), drifts)| units.has_amplitude && !**drifts);
-        measured
-            .filter_map(|((output, _), _)| output.value(OutputValue::Amplitude))
-            .reduce(f64::max)
+        let amplitude = |(number, output): (usize, &OutputOutcome)| {
+            let amplitude = output.value(OutputValue::Amplitude)?;
+            let displaced = ends.get(number).and_then(|ends| ends.creep).unwrap_or_default();
+            let size = self.units.outputs[number].size;
+            let drifts = changed.get(number) == Some(&true) && (displaced * size).abs() > amplitude;
+            (self.units.outputs[number].has_amplitude && !drifts).then_some(amplitude)
+        };
+        let outputs = outputs.iter().take(self.units.outputs.len());
+        outputs.enumerate().filter_map(amplitude).reduce(f64::max)
     }
 
     /// Returns an ending, or that the mass matrix is no longer one of a mechanical system. A motion cannot be continued where the

@@ -38,6 +38,8 @@ const NEUTRAL: f64 = 1e-9;
 /// by one body that counts.
 const NO_FORCE: f64 = 1e-6;
 const LEAST_FORCE: f64 = 1e-5;
+/// Contacts that slide at most this fast at an equilibrium stop there.
+const STOPS: f64 = 1e-9;
 /// A combined change of speeds that changes rates by at most this is not noticed, as the common speed of discs without drag.
 const UNNOTICED: f64 = 1e-12;
 /// A contact that slides at an equilibrium is at least this fast, so that it will not stick. An open contact is at least this wide.
@@ -145,7 +147,10 @@ fn is_held(view: &SystemView, phases: &[Phase], state: &[f64], reserve: f64) -> 
 /// Returns whether a state in which contacts slide ever more slowly approaches an equilibrium at which they stop: friction is just able
 /// to hold them there.
 pub(super) fn approaches_edge(view: &SystemView, phases: &[Phase], state: &[f64]) -> bool {
-    equilibrium(view, phases, state, -RESERVE).is_some()
+    let stop = |place: Components| {
+        (0..view.contacts.len()).all(|contact| view.speed(&place, contact).abs() <= STOPS)
+    };
+    equilibrium(view, phases, state, -RESERVE).is_some_and(stop)
 }
 
 /// Returns the stable equilibrium near a state at which friction holds contacts with more than a reserve; `None` without one, or if
@@ -172,7 +177,7 @@ fn equilibrium(
     let (mut moved, mut last) = (DVector::zeros(reduced.variables.len()), f64::INFINITY);
     for _ in 0..5 {
         let (slopes, family) = slopes(&place)?;
-        let step = newton_step(slopes, -reduced.rates(&place), family)?;
+        let step = newton_step(slopes, -reduced.rates(&place), family.iter().sum())?;
         last = step.amax();
         reduced.displace(&mut place, &step);
         moved += step;
@@ -181,11 +186,14 @@ fn equilibrium(
             return None;
         }
     }
-    let is_there = reduced.rates(&place).amax() <= 1e-3 * SLOW && last <= THERE;
+    let (slopes, [of_places, of_speeds]) = slopes(&place)?;
+    let family = of_places + of_speeds;
+    // Nothing corrects a speed that nothing notices.
+    let vanishes = if of_speeds == 0 { 1e-3 * SLOW } else { UNNOTICED };
+    let is_there = reduced.rates(&place).amax() <= vanishes && last <= THERE;
     if !is_there || !is_held(view, phases, &place, reserve) {
         return None;
     }
-    let (slopes, family) = slopes(&place)?;
     // A steep law makes eigenvalues so large that their rounding errors hide the sign of a small one. The sign of the
     // determinant tells whether their number right of the imaginary axis is odd.
     let is_odd = slopes.nrows() % 2 == 1;
@@ -224,7 +232,7 @@ fn family_dimension(
     view: &SystemView,
     variables: &[usize],
     slopes: &DMatrix<f64>,
-) -> Option<usize> {
+) -> Option<[usize; 2]> {
     let velocities = &view.evaluator.graph().layout.velocities;
     let is_position =
         |column: &usize| !velocities.iter().any(|group| group.contains(&variables[*column]));
@@ -233,7 +241,7 @@ fn family_dimension(
         .map(|place| slopes.column(*place).into_owned().try_normalize(LEAST_FORCE))
         .collect();
     let speeds = speeds.iter().map(|place| slopes.column(*place).into_owned()).collect();
-    Some(dependent(columns?, NO_FORCE)? + dependent(speeds, UNNOTICED)?)
+    Some([dependent(columns?, NO_FORCE)?, dependent(speeds, UNNOTICED)?])
 }
 
 /// Returns the number of singular values of columns up to a limit; `None` if they cannot be computed.

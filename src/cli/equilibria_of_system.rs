@@ -25,7 +25,7 @@ const SAMPLES: u32 = 1 << 16;
 
 /// The kinds of states in `steady_states.parquet`.
 const SLIDING: &str = "sliding";
-const WITHOUT_FRICTION: &str = "without_friction";
+const WITHOUT_FRICTION: &str = "without_dry_friction";
 
 /// Computes the sets and steady states of a system and writes their tables.
 pub(super) fn equilibria_of_system(arguments: &Arguments, study: &Study) -> Result<End, CliError> {
@@ -114,8 +114,8 @@ fn examined<T>(
     })?;
     let search = SteadySearch::new(&model, &ranges).map_err(|reason| {
         let found = format!("a system with {reason}, at point {point_id}");
-        let allowed = "a system without them; `stickslip run` finds where its runs end";
-        let what = "this command examines systems that do not change with time";
+        let allowed = "a system without these; `stickslip run` finds where its runs end";
+        let what = "this command does not examine such a system";
         CliError::refusal(what, found, allowed)
     })?;
     Ok(examine(&search, &model))
@@ -132,7 +132,7 @@ fn as_words(study: &Study, points: &[PointStates]) -> String {
         Some(format!("{low:.4} .. {high:.4}"))
     });
     table.add_if_any("steady sliding", |point| in_words(&point.sliding));
-    table.add_known("without friction", |point| in_words(&point.without_friction));
+    table.add_known("without dry friction", |point| in_words(&point.without_friction));
     let mut text = as_text(&table.columns);
     if points.len() > rows.len() {
         let more = points.len() - rows.len();

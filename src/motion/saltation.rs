@@ -23,12 +23,13 @@
 //! with the guard `h` of the event: a neighbour meets it by `τ` later.
 //!
 //! If the conditions of several contacts fail at the same instant (blocks that move together), neighbours meet them one after
-//! another, in any order: the jumps follow each other. If the result depends on the order, neighbours' motions differ by more
-//! than first order, as at a condition that is met by grazing.
+//! another, in any order: the jumps follow each other. If the result depends on the order by more than 1 %, or if impacts one after
+//! another end in another state than those at once, neighbours' motions differ by more than first order, as at a condition that is
+//! met by grazing.
 
 use smallvec::{SmallVec, smallvec};
 
-use super::condition::Condition;
+use super::impulse_response::ImpactPlace;
 use super::joint_decision::{ForceModel, stick_reserve};
 use super::touching_system::TouchingSystem;
 use super::{Evaluator, Phase, Phases};
@@ -43,8 +44,11 @@ const GRAZING: f64 = 1e-12;
 /// located.
 const NO_JUMP: f64 = 1e-8;
 
-/// The largest difference between the results of two orders of switches that is rounding, over the larger result.
-const SAME_RESULT: f64 = 1e-6;
+/// The largest difference between the jumps of two orders of switches, over the result, with which neighbours' motions count as alike.
+/// The orders of balls that are light against their machine differ by less.
+const SAME_RESULT: f64 = 1e-2;
+/// The largest difference, non-dimensional, between the states after impacts one after another and at once.
+const SAME_STATE: f64 = 1e-6;
 
 /// Propagates a perturbation over a switch at which the phases `before` ended because a condition of a contact
 /// failed and the phases `after` began. Returns whether the switch was met by grazing, or whether neighbours' motions depend on the
@@ -78,13 +82,7 @@ pub(super) fn saltation(
     if switches.len() == 1 {
         return pass(&mut switches.iter(), direction);
     }
-    let mut reversed = Components::from(&*direction);
-    let grazes =
-        pass(&mut switches.iter(), direction) | pass(&mut switches.iter().rev(), &mut reversed);
-    let largest =
-        |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, |most: f64, of| most.max(of.abs()));
-    let differs = largest(&mut direction.iter().zip(&reversed).map(|(left, right)| left - right));
-    grazes || differs > SAME_RESULT * largest(&mut direction.iter().copied())
+    in_any_order(&switches, pass, direction)
 }
 
 /// Returns which condition of a contact fails by itself where it switches from one phase to another, not only because another
@@ -97,7 +95,8 @@ fn fails_itself(
     let small = NO_JUMP * system.force_scale();
     match (before[contact], after[contact]) {
         (before, after) if before == after => None,
-        (Phase::Slip(_), _) | (Phase::Transition(_), Phase::Slip(_)) => Some(0),
+        (Phase::Slip(_), Phase::Stick | Phase::Transition(_) | Phase::Slip(_))
+        | (Phase::Transition(_), Phase::Slip(_)) => Some(0),
         (Phase::Transition(_), Phase::Stick) => {
             (system.forces(before)[contact].acceleration.abs() <= small).then_some(1)
         }
@@ -149,35 +148,80 @@ fn saltation_of(
     rate.is_nan() || rate.abs() <= GRAZING * system.force_scale()
 }
 
-/// Propagates a perturbation over an impact that a gap or a landing contact begins, like [`saltation_at_reset`].
+/// Propagates a perturbation over an impact that a gap or a landing contact begins, like [`saltation_at_reset`]. Contacts that meet at
+/// the same instant do so one after another in neighbours' motions.
 pub(super) fn saltation_at_impact(
     in_touch: &TouchingSystem,
     sides: [(&[Phase], &[f64]); 2],
-    begins: Condition,
+    begins: ImpactPlace,
+    direction: &mut [f64],
+) -> bool {
+    let [(phases, state), (_, after)] = sides;
+    let mut places: SmallVec<[ImpactPlace; 2]> = smallvec![begins];
+    places.extend(in_touch.meeting(phases, state).into_iter().filter(|place| *place != begins));
+    if places.len() == 1 {
+        return saltation_at_meeting(in_touch, sides, |_| true, begins, direction);
+    }
+    let pass = |order: &mut dyn Iterator<Item = &ImpactPlace>, direction: &mut [f64]| {
+        let (mut now, mut at, mut grazes) = (Phases::from(phases), Components::from(state), false);
+        for place in order {
+            let (before, before_at) = (now.clone(), at.clone());
+            let only = |other: ImpactPlace| other == *place;
+            let met = in_touch.collide(&mut at, &mut now, only, None);
+            grazes |= met.is_err() || in_touch.decide(&mut at, &mut now, &[], None).is_err();
+            let sides: [(&[Phase], &[f64]); 2] = [(&before, &before_at), (&now, &at)];
+            grazes |= saltation_at_meeting(in_touch, sides, only, *place, direction);
+        }
+        // Impacts one after another may end in another way than those at once.
+        grazes || largest_difference(&at, after) > SAME_STATE
+    };
+    in_any_order(&places, pass, direction)
+}
+
+/// Propagates a perturbation in both orders of simultaneous changes, from the first to the last and reversed; `pass` does so in one order
+/// and returns whether it grazes. Returns whether the results differ or an order grazes.
+fn in_any_order<T>(
+    changes: &[T],
+    pass: impl Fn(&mut dyn Iterator<Item = &T>, &mut [f64]) -> bool,
+    direction: &mut [f64],
+) -> bool {
+    let mut reversed = Components::from(&*direction);
+    let grazes =
+        pass(&mut changes.iter(), direction) | pass(&mut changes.iter().rev(), &mut reversed);
+    let size = direction.iter().fold(0.0, |most: f64, of| most.max(of.abs()));
+    grazes || largest_difference(direction, &reversed) > SAME_RESULT * size
+}
+
+fn largest_difference(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).fold(0.0, |most: f64, (left, right)| most.max((left - right).abs()))
+}
+
+/// Propagates a perturbation over an impact in which the contacts meet that `meets` says, at the instant at which those at a place do.
+fn saltation_at_meeting(
+    in_touch: &TouchingSystem,
+    sides: [(&[Phase], &[f64]); 2],
+    meets: impl Fn(ImpactPlace) -> bool + Copy,
+    place: ImpactPlace,
     direction: &mut [f64],
 ) -> bool {
     let evaluator = in_touch.evaluator;
     let (phases, state) = sides[0];
-    let guard = |direction: &[f64]| match begins {
-        Condition::Gap(gap) => {
+    let guard = |direction: &[f64]| match place {
+        ImpactPlace::Gap(gap) => {
             let contacts = in_touch.gaps[gap].contacts;
             let [behind, ahead] =
                 contacts.map(|contact| evaluator.graph().layout.contacts[contact].position);
             direction[ahead] - direction[behind]
         }
-        Condition::Landing(contact) => {
+        ImpactPlace::Opening(opening) => {
             let along = |place: usize| Dual { value: state[place], slope: direction[place] };
-            let mut openings = evaluator.graph().openings.iter().zip(evaluator.openings(along));
-            let found = openings.find(|(opening, _)| opening.contact == contact);
-            found.map_or(f64::NAN, |(_, [gap, ..])| gap.slope)
+            evaluator.openings(along)[opening][0].slope
         }
-        // No other condition begins an impact.
-        _ => f64::NAN,
     };
     let reset = |direction: &[f64]| {
         let mut after = Components::from(direction);
         let (mut state, mut phases) = (Components::from(state), Phases::from(phases));
-        match in_touch.collide(&mut state, &mut phases, Some(&mut after)) {
+        match in_touch.collide(&mut state, &mut phases, meets, Some(&mut after)) {
             Ok(_) => after,
             Err(_) => smallvec![f64::NAN; direction.len()],
         }

@@ -5,6 +5,7 @@
 
 use smallvec::SmallVec;
 
+use super::condition::Condition;
 use super::impact::{Impact, impact};
 use super::impulse_response::ImpactPlace;
 use super::stick_slip::first_phases;
@@ -107,17 +108,47 @@ impl<'a> TouchingSystem<'a> {
         state: &mut Components,
         phases: &mut Phases,
     ) -> Result<Impact, Failure> {
-        let impact = self.collide(state, phases, None)?;
+        let impact = self.collide(state, phases, |_| true, None)?;
         self.decide(state, phases, &[], None)?;
         Ok(impact)
     }
 
-    /// Resolves the impact of the contacts that are at each other. The phases that it returns are not decided yet. If a direction
-    /// of a neighbouring motion is given, it becomes that after the impact.
+    /// Returns the place in which contacts meet where a condition has failed; `None` for a condition that begins no impact.
+    pub(super) fn place_of(&self, failed: Condition) -> Option<ImpactPlace> {
+        let opening = |contact: usize| self.openings.iter().position(|one| one.contact == contact);
+        match failed {
+            Condition::Gap(gap) => Some(ImpactPlace::Gap(gap)),
+            Condition::Landing(contact) => Some(ImpactPlace::Opening(opening(contact)?)),
+            _ => None,
+        }
+    }
+
+    /// Returns the places in which contacts that were apart meet in a state.
+    pub(super) fn meeting(&self, phases: &[Phase], state: &[f64]) -> SmallVec<[ImpactPlace; 2]> {
+        let at = self.evaluator.openings(|component| state[component]);
+        let lands = |opening: &usize| {
+            let [gap, speed, _] = at[*opening];
+            let is_apart = phases[self.openings[*opening].contact] == Phase::Apart;
+            is_apart && gap <= TOUCHING && speed < 0.0
+        };
+        let closes = |gap: &usize| {
+            let between = &self.gaps[*gap];
+            let speed = |contact: usize| state[self.speed_at_gap(contact)];
+            let [behind, ahead] = between.contacts.map(speed);
+            let is_open = phases[self.contacts() + gap] == Phase::Open;
+            is_open && self.width(between, state) <= TOUCHING && behind > ahead
+        };
+        let gaps = (0..self.gaps.len()).filter(closes).map(ImpactPlace::Gap);
+        gaps.chain((0..self.openings.len()).filter(lands).map(ImpactPlace::Opening)).collect()
+    }
+
+    /// Resolves the impact of the contacts that are at each other, where those that were apart before take part if `meets` says so. The
+    /// phases that it returns are not decided yet. If a direction of a neighbouring motion is given, it becomes that after the impact.
     pub(super) fn collide(
         &self,
         state: &mut Components,
         phases: &mut Phases,
+        meets: impl Fn(ImpactPlace) -> bool,
         direction: Option<&mut [f64]>,
     ) -> Result<Impact, Failure> {
         let contacts = self.contacts();
@@ -130,9 +161,14 @@ impl<'a> TouchingSystem<'a> {
         let gaps = self.gaps;
         let at = self.evaluator.openings(|component| state[component]);
         let touches = |opening: &usize| {
-            phases[self.openings[*opening].contact] != Phase::Apart || at[*opening][0] <= TOUCHING
+            let meets = || meets(ImpactPlace::Opening(*opening));
+            let is_apart = phases[self.openings[*opening].contact] == Phase::Apart;
+            !is_apart || at[*opening][0] <= TOUCHING && meets()
         };
-        let at_gaps = (0..gaps.len()).filter(|gap| self.width(&gaps[*gap], state) <= TOUCHING);
+        let at_gaps = (0..gaps.len()).filter(|gap| {
+            let meets = || phases[contacts + gap] != Phase::Open || meets(ImpactPlace::Gap(*gap));
+            self.width(&gaps[*gap], state) <= TOUCHING && meets()
+        });
         let at_openings = (0..self.openings.len()).filter(touches);
         let at_each_other: SmallVec<[ImpactPlace; 8]> =
             at_gaps.map(ImpactPlace::Gap).chain(at_openings.map(ImpactPlace::Opening)).collect();

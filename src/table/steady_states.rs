@@ -70,7 +70,7 @@ impl HeldSetRow {
 pub struct SteadyStateRow {
     /// The point of the sweep.
     pub point: Arc<PointKey>,
-    /// `sliding` or `without_friction`.
+    /// `sliding` or `without_dry_friction`.
     pub kind: &'static str,
     /// The state.
     pub state: SteadyValues,
@@ -125,8 +125,9 @@ fn held_set_columns(study: &Study) -> Vec<Column<HeldSetRow>> {
         for (side, word) in ["least", "greatest"].into_iter().enumerate() {
             let value =
                 move |row: &HeldSetRow| row.extremes.get(row.places[place]?).map(|of| of[side]);
-            list.number(format!("{word}_{name}"), &unit, value)
-                .meaning(format!("{word} value of a position in the set"));
+            list.number(format!("{word}_{name}"), &unit, value).meaning(format!(
+                "{word} value of a position in the set; null for an angle that goes round"
+            ));
         }
     }
     list.finish()
@@ -136,7 +137,7 @@ fn steady_state_columns(study: &Study) -> Vec<Column<SteadyStateRow>> {
     let mut list = Columns::<SteadyStateRow>::new();
     add_point(&mut list, study, |row| &row.point);
     list.word("kind", |row| row.kind).meaning(
-        "sliding (all contacts slide) or without_friction (an equilibrium of the same system without friction)",
+        "sliding (all contacts slide) or without_dry_friction (an equilibrium of the same system without dry friction)",
     );
     let count = study.model().coordinate_count();
     for OutputName { name, unit, .. } in study.model().output_names().into_iter().take(count) {

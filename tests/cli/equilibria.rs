@@ -258,7 +258,7 @@ missing.yaml ¦ missing.yaml"#,
 fn systems_without_equilibrium_sets_are_refused() {
     let scratch = Scratch::new();
     let study = format!("equilibria {}", shipped("woodpecker.yaml").display());
-    let parts = ["systems that do not change with time", "a system with contacts that open"];
+    let parts = ["does not examine such a system", "a system with contacts that open"];
     scratch.refused(&study, &[&parts[..], &["`stickslip run`"]].concat());
     assert!(scratch.names(".").is_empty(), "nothing is written");
 }
@@ -311,7 +311,7 @@ fn a_system_without_balls_has_positions_sets_and_states() {
     );
     let states = scratch.table("slides", "steady_states");
     let kinds: Vec<_> = words(&states, "kind").into_iter().flatten().collect();
-    assert_eq!(kinds, ["sliding", "without_friction", "sliding", "without_friction"]);
+    assert_eq!(kinds, ["sliding", "without_dry_friction", "sliding", "without_dry_friction"]);
     let close = |found: Vec<Option<f64>>, expected: [f64; 4]| {
         found.iter().zip(expected).all(|(found, expected)| (found.unwrap() - expected).abs() < 1e-9)
     };

@@ -219,13 +219,14 @@ pub(super) fn switch<S: Vector, K: Kernel<S>>(
                 let reset = |direction: &[f64]| along(direction).1;
                 saltation_at_reset(evaluator, sides, guard, reset, &mut direction)
             }
-            (failed @ (Condition::Gap(_) | Condition::Landing(_)), _) => {
+            (Condition::Gap(_) | Condition::Landing(_), _) => {
                 let before = kernel.lane(&g.state, lane);
                 let sides: [(&[Phase], &[f64]); 2] = [(&run.phases, &before), (&phases, &state)];
                 let grazes = with_touching(kernel, (lane, run), |in_touch| {
-                    saltation_at_impact(in_touch, sides, failed, &mut direction)
+                    let place = in_touch.place_of(event.failed)?;
+                    Some(saltation_at_impact(in_touch, sides, place, &mut direction))
                 });
-                grazes.unwrap_or(true)
+                grazes.flatten().unwrap_or(true)
             }
             // Accelerations do not jump where friction no longer holds contacts, or where a gap opens.
             (Condition::Event(_) | Condition::Pressed(_) | Condition::Held(_), _) => false,
