@@ -95,7 +95,7 @@ impl<'m> SteadySearch<'m> {
         match first {
             Some(Some(_)) => Ok(search),
             _ => Err(
-                "forces that change with the time, or a contact whose sliding speed is no coordinate's",
+                "forces that change with the time, or a contact whose sliding speed depends on several coordinates",
             ),
         }
     }
