@@ -290,7 +290,7 @@ impl LaneRun {
         let state = group.state(lane);
         let may = || {
             view.rest_forms().is_some_and(|forms| may_creep(forms, &state))
-                || approaches_edge(view, group.phases(lane), &state)
+                || view.vibration.is_none() && approaches_edge(view, group.phases(lane), &state)
         };
         slow && may() && group.copy(lane).is_some_and(|saved| creeps(Motion::resume(&saved)))
     }
