@@ -30,8 +30,8 @@ fn run(shaking: f64, balls: usize) -> Outcome {
     let speed = after - since - sine;
     let height = after * since - 0.5 * since * since + cosine - shaking - sine * since;
     let system = format!(
-        "parameters: {{w: 1, shaking: {shaking:?}, e: {RESTITUTION:?}, balls: {{value: {balls}, most: 2}}}}
-repeat: {{ball: balls}}
+        "parameters: {{w: 1, shaking: {shaking:?}, e: {RESTITUTION:?}, count: {{value: {balls}, most: 2}}}}
+repeat: {{ball: count}}
 coordinates: {{\"h[ball]\": {{start: {:?}, start_rate: {speed:?}}}}}
 mass: {{\"h[ball]\": {{\"h[ball]\": 1}}}}
 force: {{\"h[ball]\": shaking * cos(w * t) - 1}}
