@@ -48,7 +48,7 @@ pub(super) fn equilibria_of_balancer(
                 report.too_coarse
             )
         });
-        let json = arguments.json.then(|| report.json(&options, directory)).unwrap_or_default();
+        let json = if arguments.json { report.json(&options, directory) } else { json!(null) };
         Ok(Printed { json, text: report.text(), warning })
     })
 }

@@ -168,7 +168,7 @@ pub(super) fn saltation_at_impact(
             let (before, before_at) = (now.clone(), at.clone());
             let only = |other: ImpactPlace| other == *place;
             let met = in_touch.collide(&mut at, &mut now, only, None);
-            grazes |= met.is_err() || in_touch.decide(&mut at, &mut now, &[], None).is_err();
+            grazes |= met.is_err() || in_touch.decide(&at, &mut now, &[], None).is_err();
             let sides: [(&[Phase], &[f64]); 2] = [(&before, &before_at), (&now, &at)];
             grazes |= saltation_at_meeting(in_touch, sides, only, *place, direction);
         }
