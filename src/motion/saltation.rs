@@ -65,6 +65,9 @@ pub(super) fn saltation(
         let which = fails_itself(system, [before, after], contact)?;
         Some((contact, which))
     }));
+    if switches.len() == 1 {
+        return saltation_of(system, [before, after], failed, direction);
+    }
     let pass = |order: &mut dyn Iterator<Item = &(usize, usize)>, direction: &mut [f64]| {
         let (mut now, mut grazes) = (Phases::from(before), false);
         for (number, switch) in order.enumerate() {
@@ -79,9 +82,6 @@ pub(super) fn saltation(
         }
         grazes
     };
-    if switches.len() == 1 {
-        return pass(&mut switches.iter(), direction);
-    }
     in_any_order(&switches, pass, direction)
 }
 
