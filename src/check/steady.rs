@@ -1,5 +1,5 @@
 //! The steady states of a system of one's own: where friction holds its contacts, where all of them slide steadily, and its
-//! equilibria without friction.
+//! equilibria without dry friction.
 //!
 //! Start positions at which nothing moves are examined, with the coordinates that no friction holds where the forces on them
 //! vanish (Newton's method). If the equations contain only differences of positions, steady motion at a constant speed is sought from
@@ -48,8 +48,6 @@ pub struct SteadyStates {
     pub held_fraction: Option<f64>,
     /// The states in which all contacts slide and no coordinate moves, or coordinates move on at constant speeds.
     pub sliding: Vec<SteadyValues>,
-    /// The equilibria of the same system without friction.
-    pub without_friction: Vec<SteadyValues>,
 }
 
 impl SteadyStates {
@@ -66,7 +64,6 @@ impl SteadyStates {
         Some(SteadyStates {
             held_fraction: may_hold.then(|| held as f64 / EXAMINED as f64),
             sliding: search.sliding(),
-            without_friction: search.without_friction(),
         })
     }
 }
@@ -128,11 +125,11 @@ impl<'m> SteadySearch<'m> {
         self.different((0..EXAMINED).flat_map(from))
     }
 
-    /// Returns the equilibria of the same system without friction.
-    pub fn without_friction(&self) -> Vec<SteadyValues> {
+    /// Returns the equilibria of the same system without dry friction.
+    pub fn without_dry_friction(&self) -> Vec<SteadyValues> {
         let from = |number: usize| {
             let state = self.start(|place| sample(number, place), false)?;
-            SteadyState::without_friction(&self.evaluator, &self.translations, state)
+            SteadyState::without_dry_friction(&self.evaluator, &self.translations, state)
         };
         self.different((0..EXAMINED).filter_map(from))
     }

@@ -64,8 +64,8 @@ impl<'e> SteadyState<'e> {
         SteadyState::of(evaluator, translations, state, &phases)
     }
 
-    /// Returns a state of the system without friction; `None` if a component, such as the time, moves by itself.
-    pub(super) fn without_friction(
+    /// Returns a state of the system without dry friction; `None` if a component, such as the time, moves by itself.
+    pub(super) fn without_dry_friction(
         evaluator: &'e Evaluator,
         translations: &Translations,
         state: Vec<f64>,

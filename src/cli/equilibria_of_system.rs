@@ -73,7 +73,7 @@ fn compute(
             let set = HeldSet::of(search, samples);
             let places = places(study, model);
             let row = HeldSetRow::new(&key, &places, &set);
-            let (sliding, without_friction) = (search.sliding(), search.without_friction());
+            let (sliding, without_friction) = (search.sliding(), search.without_dry_friction());
             (set, places, PointStates { row, sliding, without_friction })
         })?;
         tables.sets.push(states.row.clone())?;

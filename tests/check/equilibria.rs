@@ -62,7 +62,7 @@ fn equilibria_without_friction_are_those_of_the_closed_form() {
     };
     at_some_speeds(|machine, search| {
         let natural = machine.natural_frequency_rad_s();
-        let found = search.without_friction();
+        let found = search.without_dry_friction();
         let closed = frictionless_equilibria(machine, 0.0).expect("two balls");
         // The closed forms stand for their exchanges and mirror images.
         for closed in &closed {
@@ -99,7 +99,7 @@ fn of_a_family_one_state_is_reported() {
     ));
     let ranges = study.point(0).start_ranges;
     let search = SteadySearch::new(study.model(), &ranges).expect("it does not change");
-    let [state] = &search.without_friction()[..] else { panic!("one") };
+    let [state] = &search.without_dry_friction()[..] else { panic!("one") };
     assert_eq!(state.family_dimension, 1);
     let [x, y] = ["x", "y"].map(|name| state.coordinates[name]);
     assert!((x - y * y).abs() < 1e-9, "{state:?}");
